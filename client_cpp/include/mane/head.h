@@ -1,0 +1,161 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mane/error.h"
+#include "mane/geometry.h"
+
+namespace mane::inline client {
+
+/// How simulated time passes.
+enum class Pacing {
+  /// The server's clock ticks at `HeadOptions::rate_hz`; the newest frame wins, nothing queues.
+  kRealtime = 1,
+  /// Every pose yields exactly one frame: same messages, same bits.
+  kLockstep = 2,
+};
+
+/// How frames travel. Head rebuilds positions from any of them.
+enum class FrameFormat {
+  kPositionsFloat32 = 1,      ///< 12 bytes a point.
+  kPositionsQuantized16 = 2,  ///< 6 bytes a point; error at most 1/131070 of the strand's box.
+  kGeneralized = 3,           ///< 12 bytes an element; helices are rebuilt here, exactly.
+};
+
+enum class Space {
+  kWorld = 1,
+  kHead = 2,  ///< Relative to `Frame::head_pose`.
+};
+
+/// What surrounds the hair. Unset fields stay as they are.
+struct Environment {
+  /// Uniform, world [m/s], each component within ±100.
+  std::optional<Vector3> wind_velocity = std::nullopt;
+  /// World [m/s^2], each within ±1000; first (0, -9.81, 0).
+  std::optional<Vector3> gravity = std::nullopt;
+  /// Factors on every guide's own number, 0 to 1000; first 1.
+  std::optional<double> internal_friction_scale = std::nullopt;
+  std::optional<double> air_drag_scale = std::nullopt;
+};
+
+/// How to animate a head. Zeros let the server choose.
+struct HeadOptions {
+  std::string groom = {};  ///< `grooms/{groom}`
+  Pacing pacing = Pacing::kRealtime;
+  FrameFormat format = FrameFormat::kPositionsFloat32;
+  Space space = Space::kWorld;
+  std::uint32_t points_per_guide = 0;  ///< Points at equal arc length, 2 to 256; 0 means 16.
+  double rate_hz = 0;                  ///< kRealtime frames per second, 1 to 240; 0 means 60.
+  std::uint32_t substeps = 0;          ///< Time steps per frame, 1 to 64; 0 means 1.
+  /// kRealtime: how far behind the newest pose the head is shown [s], 0 to 0.25. One pose interval
+  /// makes every frame an interpolation; 0 extrapolates.
+  double pose_delay_s = 0;
+  std::uint32_t max_unacked_frames = 0;  ///< kRealtime: frames on their way, 1 to 16; 0 means 3.
+  Pose initial_pose;                     ///< Where the head is before the first pose.
+  Environment environment;
+
+  /// kRealtime: how long a broken stream is retried before the head closes. Pauses between tries
+  /// grow from 50 ms to 2 s.
+  std::chrono::milliseconds reconnect_timeout{60'000};
+  /// kLockstep: how long Step() waits for its frame.
+  std::chrono::milliseconds step_timeout{10'000};
+};
+
+/// One frame of hair. Immutable once published; keep it as long as you like.
+struct Frame {
+  std::uint64_t index = 0;  ///< 1, 2, 3 ...; gaps were skipped. Starts anew if the head had to.
+  double time_s = 0;        ///< Your clock: the moment of the head pose that this frame shows.
+  Pose head_pose;           ///< Where the roots are clamped.
+  std::uint32_t guide_count = 0;
+  std::uint32_t points_per_guide = 0;
+  std::vector<float> positions;  ///< [m] in the chosen space, (guide, point, 3), root first.
+  /// kGeneralized only: element angles (twist, bend 1, bend 2) [rad], (element of all guides, 3).
+  std::vector<float> angles;
+  std::uint32_t skipped = 0;      ///< Frames that newer ones replaced since the last one sent.
+  double newest_pose_time_s = 0;  ///< Your clock: the newest pose known when it was computed.
+  double step_ms = 0;             ///< Time the server spent on computing it.
+  std::uint32_t repaired_guides = 0;  ///< Guides put back to rest; above 0 is a fault of the server.
+};
+
+enum class HeadState {
+  kConnecting,    ///< Not open yet.
+  kStreaming,     ///< Poses go out, frames come in.
+  kReconnecting,  ///< The stream broke; it is being resumed. Poses are kept, newest wins.
+  kClosed,        ///< For good: by Close(), or with HeadStatus::error.
+};
+
+struct HeadStatus {
+  HeadState state = HeadState::kConnecting;
+  std::optional<Error> error;    ///< Why it closed, or why it is reconnecting.
+  std::uint32_t resumes = 0;     ///< Times that a broken stream went on without a jump.
+  std::uint32_t reopenings = 0;  ///< Times that the server had lost the head: hair starts at rest.
+  std::uint64_t missed_deadlines = 0;  ///< Of the server, by its own count.
+  bool server_draining = false;        ///< The server announced that it is about to stop.
+};
+
+class HeadStream;
+
+/// One animated head, for a game loop.
+///
+/// Every method may be called from any thread. None but Step(), StepTeleport(), WaitUntilStreaming()
+/// and Close() ever waits, and none waits for the network while it holds up another thread.
+/// Consumed frames are acknowledged to the server by themselves, with the next message or shortly
+/// after. In kRealtime a broken stream (UNAVAILABLE, CANCELLED, UNKNOWN) is resumed by itself; when
+/// the server no longer knows the head, it is opened anew at the newest pose. A reset or teleport
+/// that was on its way when the stream broke may be lost. In kLockstep any error closes the head.
+class Head {
+ public:
+  Head(Head&&) noexcept;
+  Head& operator=(Head&&) noexcept;
+  ~Head();  ///< Close().
+
+  /// Waits until the head is streaming. Its error when it closed instead, kDeadlineExceeded when
+  /// `timeout` passed (it keeps trying).
+  Result<void> WaitUntilStreaming(std::chrono::milliseconds timeout);
+
+  /// kRealtime: moves the head. Replaces a pose that is not sent yet.
+  /// @param time_s  your clock [s], any origin; must increase from pose to pose.
+  /// @return kInvalidArgument (`time_s`) for a time that does not increase, kFailedPrecondition in
+  ///         kLockstep, the closing error when closed. Other faults of the pose are found by the
+  ///         server and close the head.
+  Result<void> PushPose(double time_s, const Pose& pose);
+
+  /// kRealtime: moves head and hair together without dynamics, as a cut in a film does. Errors as
+  /// PushPose().
+  Result<void> Teleport(double time_s, const Pose& pose);
+
+  /// Puts the hair to its rest shape with no velocity, from the next frame on.
+  Result<void> Reset();
+
+  /// Changes what surrounds the hair from the next step on.
+  Result<void> SetEnvironment(const Environment& environment);
+
+  /// kRealtime: the newest frame; null before the first, and the same one until the next arrives.
+  std::shared_ptr<const Frame> NewestFrame();
+
+  /// kLockstep: sends one pose and waits for its frame, at most HeadOptions::step_timeout; a timeout
+  /// closes the head, whose state would be unknown. Errors otherwise as PushPose().
+  Result<std::shared_ptr<const Frame>> Step(double time_s, const Pose& pose);
+
+  /// kLockstep: Teleport() and its frame.
+  Result<std::shared_ptr<const Frame>> StepTeleport(double time_s, const Pose& pose);
+
+  HeadStatus Status() const;
+
+  /// Ends the stream; the server frees the head. Returns within a fraction of a second even when
+  /// the server is gone. Later calls of other methods return kFailedPrecondition.
+  void Close();
+
+ private:
+  friend class Client;
+  explicit Head(std::shared_ptr<HeadStream> stream);
+
+  std::shared_ptr<HeadStream> stream_;
+};
+
+}  // namespace mane::inline client

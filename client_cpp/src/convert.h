@@ -1,0 +1,28 @@
+#pragma once
+
+#include "mane/geometry.h"
+#include "mane/groom.h"
+#include "mane/head.h"
+#include "mane/v1/animation.pb.h"
+#include "mane/v1/groom.pb.h"
+#include "mane/v1/types.pb.h"
+
+namespace mane::inline client {
+
+/// Public structs to and from messages, field by field.
+v1::Vector3 ToProto(const Vector3& v);
+v1::Quaternion ToProto(const Quaternion& q);
+v1::Pose ToProto(const Pose& pose);
+v1::Guide ToProto(const Guide& guide);
+v1::EllipsoidScalp ToProto(const EllipsoidScalp& scalp);
+v1::GuideGeneration ToProto(const GuideGeneration& generation);
+v1::Environment ToProto(const Environment& environment);
+v1::OpenHead ToProto(const HeadOptions& options);
+
+Pose FromProto(const v1::Pose& pose);  ///< Unset parts are the origin and the identity.
+GroomInfo FromProto(const v1::Groom& groom);
+
+/// Puts the fields that `change` sets over those of `environment`.
+void Merge(const Environment& change, Environment& environment);
+
+}  // namespace mane::inline client

@@ -1,0 +1,83 @@
+#include "groom_upload.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "convert.h"
+
+namespace mane::inline client {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "numbers are copied as they are");
+
+// A batch is sent once it exceeds this; one guide adds at most 9 KiB.
+constexpr size_t kBatchBytes = 256 << 10;
+
+using Write = std::function<bool(const v1::CreateGroomRequest&)>;
+
+v1::CreateGroomRequest Header(const GroomUpload& upload) {
+  v1::CreateGroomRequest request;
+  v1::CreateGroomHeader& header = *request.mutable_header();
+  header.set_groom_id(upload.groom_id);
+  header.set_display_name(upload.display_name);
+  header.set_request_id(upload.request_id);
+  if (const auto* ellipsoid = std::get_if<EllipsoidScalp>(&upload.scalp)) {
+    *header.mutable_ellipsoid() = ToProto(*ellipsoid);
+  }
+  if (const auto* generation = std::get_if<GuideGeneration>(&upload.guides)) {
+    *header.mutable_generate() = ToProto(*generation);
+  }
+  return request;
+}
+
+bool WriteGuides(const std::vector<Guide>& guides, const Write& write) {
+  v1::CreateGroomRequest request;
+  size_t bytes = 0;
+  for (size_t i = 0; i < guides.size(); ++i) {
+    v1::Guide guide = ToProto(guides[i]);
+    bytes += guide.ByteSizeLong();
+    request.mutable_guides()->mutable_guides()->Add(std::move(guide));
+    if (bytes < kBatchBytes && i + 1 < guides.size()) continue;
+    if (!write(request)) return false;
+    request.Clear();
+    bytes = 0;
+  }
+  return true;
+}
+
+// Sends one list of a mesh; `field` picks the bytes of the message that it goes to.
+template <typename Number>
+bool WriteList(const std::vector<Number>& numbers, std::string* (v1::TriangleMesh::*field)(),
+               const Write& write) {
+  const size_t step = kBatchBytes / sizeof(Number);
+  for (size_t first = 0; first < numbers.size(); first += step) {
+    const size_t count = std::min(step, numbers.size() - first);
+    v1::CreateGroomRequest request;
+    (request.mutable_scalp_mesh()->*field)()->assign(
+        reinterpret_cast<const char*>(numbers.data() + first), count * sizeof(Number));
+    if (!write(request)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+void ForEachPart(const GroomUpload& upload, const Write& write) {
+  if (!write(Header(upload))) return;
+  if (const auto* mesh = std::get_if<TriangleMesh>(&upload.scalp)) {
+    const bool written =
+        WriteList(mesh->vertices, &v1::TriangleMesh::mutable_vertices, write) &&
+        WriteList(mesh->triangles, &v1::TriangleMesh::mutable_triangles, write) &&
+        WriteList(mesh->hair_triangles, &v1::TriangleMesh::mutable_hair_triangles, write);
+    if (!written) return;
+  }
+  if (const auto* guides = std::get_if<std::vector<Guide>>(&upload.guides)) {
+    WriteGuides(*guides, write);
+  }
+}
+
+}  // namespace mane::inline client

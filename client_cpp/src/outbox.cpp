@@ -1,0 +1,45 @@
+#include "outbox.h"
+
+#include <utility>
+
+#include "convert.h"
+
+namespace mane::inline client {
+namespace {
+
+v1::HeadPose Timed(double time_s, const Pose& pose) {
+  v1::HeadPose out;
+  out.set_time_s(time_s);
+  *out.mutable_pose() = ToProto(pose);
+  return out;
+}
+
+}  // namespace
+
+void Outbox::PutPose(double time_s, const Pose& pose) { pose_ = Timed(time_s, pose); }
+
+void Outbox::PutTeleport(double time_s, const Pose& pose) {
+  teleport_ = Timed(time_s, pose);
+  pose_.reset();
+}
+
+void Outbox::PutEnvironment(const Environment& change) {
+  if (!environment_) environment_.emplace();
+  Merge(change, *environment_);
+}
+
+v1::AnimateRequest Outbox::Take() {
+  v1::AnimateRequest request;
+  if (environment_) {
+    *request.mutable_environment() = ToProto(*std::exchange(environment_, std::nullopt));
+  } else if (std::exchange(reset_, false)) {
+    request.mutable_reset();
+  } else if (teleport_) {
+    *request.mutable_teleport() = *std::exchange(teleport_, std::nullopt);
+  } else {
+    *request.mutable_pose() = *std::exchange(pose_, std::nullopt);
+  }
+  return request;
+}
+
+}  // namespace mane::inline client

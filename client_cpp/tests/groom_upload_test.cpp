@@ -1,0 +1,124 @@
+// Uploads arrive whole and in order, in messages below the server's limit of 1 MiB.
+
+#include "groom_upload.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <vector>
+
+namespace mane {
+namespace {
+
+constexpr size_t kServerLimit = 1 << 20;
+
+std::vector<v1::CreateGroomRequest> Parts(const GroomUpload& upload) {
+  std::vector<v1::CreateGroomRequest> parts;
+  ForEachPart(upload, [&](const v1::CreateGroomRequest& part) {
+    EXPECT_LT(part.ByteSizeLong(), kServerLimit);
+    parts.push_back(part);
+    return true;
+  });
+  return parts;
+}
+
+TEST(GroomUpload, SendsEveryGuideOnceInOrder) {
+  Guide guide;
+  guide.element_count = 256;
+  guide.natural_twist.assign(256, 1.0);
+  guide.natural_curvature_1.assign(256, 2.0);
+  guide.natural_curvature_2.assign(256, 3.0);
+  std::vector<Guide> guides(500, guide);
+  for (size_t i = 0; i < guides.size(); ++i) guides[i].length_m = static_cast<double>(i);
+  GroomUpload upload;
+  upload.groom_id = "long";
+  upload.guides = guides;
+
+  const auto parts = Parts(upload);
+  EXPECT_EQ(parts.front().header().groom_id(), "long");
+  EXPECT_GT(parts.size(), 4u);
+  double expected = 0;
+  for (size_t i = 1; i < parts.size(); ++i) {
+    for (const v1::Guide& sent : parts[i].guides().guides()) {
+      EXPECT_EQ(sent.length_m(), expected++);
+      EXPECT_EQ(sent.natural_curvature_2_size(), 256);
+    }
+  }
+  EXPECT_EQ(expected, 500);
+}
+
+TEST(GroomUpload, CarriesEveryParameterOfAGuide) {
+  Guide guide;
+  guide.root_position = {1, 2, 3};
+  guide.root_frame = {0.5, 0.5, 0.5, 0.5};
+  guide.length_m = 0.3;
+  guide.element_count = 2;
+  guide.element_lengths_m = {0.1, 0.2};
+  guide.radius_1_m = 4e-5;
+  guide.radius_2_m = 5e-5;
+  guide.young_modulus_pa = 1e9;
+  guide.poisson_ratio = 0.48;
+  guide.density_kg_m3 = 1300;
+  guide.internal_friction = 5e-11;
+  guide.air_drag = 5e-6;
+  guide.natural_twist = {6};
+  guide.natural_curvature_1 = {7, 8};
+  guide.natural_curvature_2 = {9};
+  GroomUpload upload;
+  upload.guides = std::vector{guide};
+
+  const auto parts = Parts(upload);
+  ASSERT_EQ(parts.size(), 2u);
+  const v1::Guide& sent = parts[1].guides().guides(0);
+  EXPECT_EQ(sent.root_position().z(), 3);
+  EXPECT_EQ(sent.root_frame().w(), 0.5);
+  EXPECT_EQ(sent.length_m(), 0.3);
+  EXPECT_EQ(sent.element_count(), 2u);
+  EXPECT_EQ(sent.element_lengths_m(1), 0.2);
+  EXPECT_EQ(sent.radius_1_m(), 4e-5);
+  EXPECT_EQ(sent.radius_2_m(), 5e-5);
+  EXPECT_EQ(sent.young_modulus_pa(), 1e9);
+  EXPECT_EQ(sent.poisson_ratio(), 0.48);
+  EXPECT_EQ(sent.density_kg_m3(), 1300);
+  EXPECT_EQ(sent.internal_friction(), 5e-11);
+  EXPECT_EQ(sent.air_drag(), 5e-6);
+  EXPECT_EQ(sent.natural_twist(0), 6);
+  EXPECT_EQ(sent.natural_curvature_1(1), 8);
+  EXPECT_EQ(sent.natural_curvature_2(0), 9);
+}
+
+TEST(GroomUpload, ConcatenatedMeshPiecesAreTheMesh) {
+  TriangleMesh mesh;
+  for (int i = 0; i < 300'000; ++i) mesh.vertices.push_back(static_cast<float>(i));
+  for (std::uint32_t i = 0; i < 150'000; ++i) mesh.triangles.push_back(99'999 - i / 2);
+  mesh.hair_triangles = {5, 7};
+  GroomUpload upload;
+  upload.scalp = mesh;
+  upload.guides = GuideGeneration{.hair_type = HairType::kCaucasianWavy, .guide_count = 10};
+
+  std::string vertices, triangles, hair;
+  const auto parts = Parts(upload);
+  EXPECT_EQ(parts[0].header().generate().hair_type(), v1::HAIR_TYPE_CAUCASIAN_WAVY);
+  EXPECT_FALSE(parts[0].header().has_ellipsoid());
+  for (size_t i = 1; i < parts.size(); ++i) {
+    vertices += parts[i].scalp_mesh().vertices();
+    triangles += parts[i].scalp_mesh().triangles();
+    hair += parts[i].scalp_mesh().hair_triangles();
+  }
+  ASSERT_EQ(vertices.size(), 4 * mesh.vertices.size());
+  EXPECT_EQ(std::memcmp(vertices.data(), mesh.vertices.data(), vertices.size()), 0);
+  ASSERT_EQ(triangles.size(), 4 * mesh.triangles.size());
+  EXPECT_EQ(std::memcmp(triangles.data(), mesh.triangles.data(), triangles.size()), 0);
+  EXPECT_EQ(hair.size(), 8u);
+}
+
+TEST(GroomUpload, StopsWhenTheStreamBreaks) {
+  GroomUpload upload;
+  upload.guides = std::vector<Guide>(10);
+  int written = 0;
+  ForEachPart(upload, [&](const v1::CreateGroomRequest&) { return ++written < 1; });
+  EXPECT_EQ(written, 1);
+}
+
+}  // namespace
+}  // namespace mane

@@ -1,0 +1,83 @@
+"""Client of Mane, hair simulation as a service.
+
+`Client` talks to a `maned`: it uploads grooms, opens heads of hair that follow streamed head poses,
+and bakes whole motions; hair comes back as numpy arrays. `mane.aio.Client` is the same for asyncio.
+
+All lengths are metres, all angles radians; axes are right-handed with Y up, an upright head looks
+toward +Z; quaternions are (x, y, z, w). `mane.convert` brings other conventions here.
+"""
+
+from mane.client import Bake, Client, Status
+from mane.errors import (
+    AlreadyExists,
+    Cancelled,
+    DeadlineExceeded,
+    Error,
+    FailedPrecondition,
+    FieldViolation,
+    Internal,
+    InvalidArgument,
+    JobFailed,
+    NotFound,
+    PermissionDenied,
+    ResourceExhausted,
+    Unauthenticated,
+    Unavailable,
+)
+from mane.frames import Frame, FrameFormat, Space
+from mane.groom import (
+    Ellipsoid,
+    Groom,
+    Guide,
+    GuideGeneration,
+    HairType,
+    RestShape,
+    frame_along,
+)
+from mane.heads import LockstepHead, RealtimeHead
+from mane.jobs import Job, JobState
+from mane.mesh import Mesh
+from mane.motion import Motion
+from mane.pose import Environment, Pose
+from mane.stream import Notice, NoticeCode, Pacing
+
+__all__ = [
+    "AlreadyExists",
+    "Bake",
+    "Cancelled",
+    "Client",
+    "DeadlineExceeded",
+    "Ellipsoid",
+    "Environment",
+    "Error",
+    "FailedPrecondition",
+    "FieldViolation",
+    "Frame",
+    "FrameFormat",
+    "Groom",
+    "Guide",
+    "GuideGeneration",
+    "HairType",
+    "Internal",
+    "InvalidArgument",
+    "Job",
+    "JobFailed",
+    "JobState",
+    "LockstepHead",
+    "Mesh",
+    "Motion",
+    "NotFound",
+    "Notice",
+    "NoticeCode",
+    "Pacing",
+    "PermissionDenied",
+    "Pose",
+    "RealtimeHead",
+    "ResourceExhausted",
+    "RestShape",
+    "Space",
+    "Status",
+    "Unauthenticated",
+    "Unavailable",
+    "frame_along",
+]

@@ -1,0 +1,138 @@
+"""`mane groom`: the hair that a server holds."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.table import Table
+
+from mane import mesh
+from mane.client import Client
+from mane.convert import UNITS_M
+from mane.errors import InvalidArgument
+from mane.groom import Groom, GuideGeneration, HairType
+from mane.progress import out, waiting
+
+app = typer.Typer(
+    no_args_is_help=True, rich_markup_mode="markdown", help="Make and look after hair."
+)
+
+
+@app.command()
+def create(
+    context: typer.Context,
+    groom_id: Annotated[
+        str, typer.Argument(help="Last part of the name: a-z, 0-9 and -, at most 63 letters.")
+    ],
+    hair_type: Annotated[
+        HairType, typer.Option(help="Preset of the hair's physics and curl.")
+    ] = HairType.CAUCASIAN_WAVY,
+    guides: Annotated[int, typer.Option(min=1, help="How many guide strands.")] = 200,
+    length: Annotated[float, typer.Option(help="Length of the strands, metres.")] = 0.2,
+    elements: Annotated[
+        int, typer.Option(min=0, help="Helical elements per strand; 0 lets the server choose.")
+    ] = 0,
+    seed: Annotated[int, typer.Option(min=0, help="Same seed, same hair.")] = 0,
+    scalp: Annotated[
+        Path | None,
+        typer.Option(
+            exists=True,
+            dir_okay=False,
+            help="OBJ file of a head or body, Y up; without it hair grows on Mane's mannequin.",
+        ),
+    ] = None,
+    group: Annotated[
+        str | None, typer.Option(help="Group of the OBJ file that is skin; all unless given.")
+    ] = None,
+    unit: Annotated[str, typer.Option(help=f"Unit of the OBJ file: {', '.join(UNITS_M)}.")] = "m",
+    display_name: Annotated[str, typer.Option(help="Free text.")] = "",
+) -> None:
+    """Grow hair on a head and keep it on the server.
+
+    mane groom create demo
+    mane groom create afro --hair-type african_fuzzy --length 0.1 --guides 400
+    mane groom create anna --scalp body.obj --group body --unit dm
+    """
+    client: Client = context.obj
+    if unit not in UNITS_M:
+        raise typer.BadParameter(
+            f"{unit!r} is not one of {', '.join(UNITS_M)}", param_hint="--unit"
+        )
+    try:
+        head = mesh.load_head(scalp, group, UNITS_M[unit]) if scalp else mesh.mannequin()
+    except ValueError as error:
+        raise InvalidArgument.of("scalp", str(error)) from error
+    generate = GuideGeneration(hair_type, guides, length, elements, seed)
+    with waiting(f"growing {guides} guides"):
+        groom = client.create_groom(
+            scalp=head, generate=generate, groom_id=groom_id, display_name=display_name
+        )
+    out.print(f"{groom.name}: {groom.guide_count} guides, {groom.element_count} elements")
+
+
+@app.command("list")
+def list_(context: typer.Context) -> None:
+    """List all grooms.
+
+    mane groom list
+    """
+    table = Table("name", "hair", "guides", "elements", "longest", "created", "title", box=None)
+    for groom in context.obj.list_grooms():
+        table.add_row(
+            groom.name,
+            _hair(groom),
+            str(groom.guide_count),
+            str(groom.element_count),
+            f"{groom.longest_guide_m:.3f} m",
+            f"{groom.create_time:%Y-%m-%d %H:%M}",
+            groom.display_name,
+        )
+    out.print(table)
+
+
+@app.command()
+def show(
+    context: typer.Context, groom: Annotated[str, typer.Argument(help="Name, such as demo.")]
+) -> None:
+    """Show one groom.
+
+    mane groom show demo
+    """
+    found = context.obj.get_groom(groom)
+    table = Table(box=None, show_header=False)
+    rows = {
+        "name": found.name,
+        "title": found.display_name,
+        "created": f"{found.create_time:%Y-%m-%d %H:%M:%S} UTC",
+        "hair": _hair(found),
+        "seed": str(found.seed),
+        "guides": str(found.guide_count),
+        "elements": str(found.element_count),
+        "longest": f"{found.longest_guide_m:.3f} m",
+        "scalp": "yes" if found.has_scalp else "no",
+        "etag": found.etag,
+    }
+    for row in rows.items():
+        table.add_row(*row)
+    out.print(table)
+
+
+@app.command()
+def delete(
+    context: typer.Context,
+    grooms: Annotated[list[str], typer.Argument(help="Names, such as demo.")],
+) -> None:
+    """Delete grooms. Heads that show them go on.
+
+    mane groom delete demo
+    mane groom delete afro anna
+    """
+    for groom in grooms:
+        context.obj.delete_groom(groom)
+        out.print(f"deleted {groom}")
+
+
+def _hair(groom: Groom) -> str:
+    return str(groom.hair_type) if groom.hair_type else "uploaded"

@@ -1,0 +1,128 @@
+"""Hair frames and their decoding from the three formats of the API."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from mane.errors import Internal
+from mane.helix import Strands
+from mane.pose import Pose
+
+
+class FrameFormat(StrEnum):
+    """How frames travel. What arrives are positions in every case.
+
+    FLOAT32: positions as they are, 12 bytes a point.
+    QUANTIZED16: 16-bit positions in each strand's box, 6 bytes a point; off by at most 1/131070 of
+      the box's size along each axis.
+    GENERALIZED: element angles, 12 bytes an element; the client rebuilds the helices. Exact, and
+      the smallest for guides.
+    """
+
+    FLOAT32 = "float32"
+    QUANTIZED16 = "quantized16"
+    GENERALIZED = "generalized"
+
+
+class Space(StrEnum):
+    """The axes of `Frame.positions`: the world's, or those of the frame's head pose."""
+
+    WORLD = "world"
+    HEAD = "head"
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """Hair at one moment.
+
+    Attributes:
+      index: 1, 2, 3 ... as the server computed them.
+      time_s: the caller's clock: the moment of the head pose that the frame shows [s].
+      head_pose: where the roots are clamped.
+      positions: points at equal arc length, root first, (guide, point, 3) float32 [m], in the
+        `Space` that the head was opened with.
+      skipped: frames between the last one that you were given and this one, replaced because they
+        were older. Always 0 in LOCKSTEP.
+      newest_pose_time_s: newest pose that the server had when it computed the frame, the caller's
+        clock [s].
+      step_ms: time that the server spent on the frame [ms].
+      repaired_guides: guides that the server put back to rest because of a fault of its own.
+      angles: element angles (twist, bend 1, bend 2), (element of all guides, 3) float32 [rad]; None
+        unless the format is GENERALIZED.
+    """
+
+    index: int
+    time_s: float
+    head_pose: Pose
+    positions: np.ndarray
+    skipped: int = 0
+    newest_pose_time_s: float = 0.0
+    step_ms: float = 0.0
+    repaired_guides: int = 0
+    angles: np.ndarray | None = None
+
+
+class FrameDecoder:
+    """Turns `HairFrame.data` into positions. Immutable and thread-safe.
+
+    Args:
+      format: what the server sends.
+      guide_count, points_per_guide: shape of the positions.
+      space: WORLD or HEAD. It matters for GENERALIZED only: the other formats arrive in it.
+      strands: roots and element lengths; needed for GENERALIZED.
+    """
+
+    def __init__(
+        self,
+        format: FrameFormat,
+        guide_count: int,
+        points_per_guide: int,
+        space: Space = Space.WORLD,
+        strands: Strands | None = None,
+    ):
+        self._format = FrameFormat(format)
+        self._shape = (guide_count, points_per_guide, 3)
+        self._space = Space(space)
+        self._strands = strands
+        self._strand_dtype = np.dtype([("box", "<f4", (2, 3)), ("u", "<u2", (points_per_guide, 3))])
+        if self._format == FrameFormat.GENERALIZED and strands is None:
+            raise ValueError("strands: needed to rebuild generalized coordinates")
+
+    def decode(self, data: bytes, head_pose: Pose) -> tuple[np.ndarray, np.ndarray | None]:
+        """Positions and, for GENERALIZED, element angles; as in `Frame`.
+
+        Raises Internal where `data` has not the size that the format says.
+        """
+        if len(data) != self._size():
+            raise Internal(f"a frame of {len(data)} bytes arrived, expected {self._size()}")
+        if self._format == FrameFormat.FLOAT32:
+            return np.frombuffer(data, "<f4").reshape(self._shape).copy(), None
+        if self._format == FrameFormat.QUANTIZED16:
+            return self._dequantized(data), None
+        angles = np.frombuffer(data, "<f4").reshape(-1, 3).copy()
+        return self._rebuilt(angles, head_pose), angles
+
+    def _size(self) -> int:
+        guides, points, _ = self._shape
+        if self._format == FrameFormat.FLOAT32:
+            return guides * points * 12
+        if self._format == FrameFormat.QUANTIZED16:
+            return guides * self._strand_dtype.itemsize
+        return self._strands.element_count * 12
+
+    def _dequantized(self, data: bytes) -> np.ndarray:
+        strands = np.frombuffer(data, self._strand_dtype)
+        box = strands["box"].astype(np.float64)
+        low, high = box[:, :1], box[:, 1:]
+        return (low + (high - low) * (strands["u"] / 65535.0)).astype(np.float32)
+
+    def _rebuilt(self, angles: np.ndarray, head_pose: Pose) -> np.ndarray:
+        positions = self._strands.positions(angles.astype(np.float64), self._shape[1])
+        if self._space == Space.WORLD:
+            rotation = Rotation.from_quat(head_pose.orientation).as_matrix()
+            positions = positions @ rotation.T + head_pose.position
+        return positions.astype(np.float32)

@@ -1,0 +1,200 @@
+"""Grooms: hair assets made of a scalp and guide strands, as numpy arrays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import datetime
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.spatial.transform import Rotation
+
+from mane.errors import InvalidArgument
+from mane.mesh import Mesh
+from mane.pose import IDENTITY, vector
+
+
+class HairType(StrEnum):
+    """Presets of [SH06] Appendix B."""
+
+    ASIAN_SMOOTH = "asian_smooth"
+    CAUCASIAN_WAVY = "caucasian_wavy"
+    CAUCASIAN_CURLY = "caucasian_curly"
+    AFRICAN_FUZZY = "african_fuzzy"
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Guide:
+    """One guide strand: a Super-Helix of N elements, each of constant natural curvatures and twist.
+
+    Attributes:
+      root_position: clamped end, head frame [m], (3,).
+      root_frame: material frame (n0, n1, n2) at the root, quaternion (x, y, z, w) that takes its
+        coordinates to the head frame, (4,). n0, the image of (1, 0, 0), is the direction in which
+        the strand leaves the scalp; `frame_along` makes one.
+      length_m: strand length [m], in (0, 5]. May be left 0 where `element_lengths_m` is given.
+      element_count: N, 1 to 256. May be left 0 where `element_lengths_m` is given.
+      element_lengths_m: root to tip [m], (N,); empty for N equal ones.
+      radius_1_m, radius_2_m: semi-axes of the section along n1 and n2 [m], in [1e-6, 1e-2].
+      young_modulus_pa: in [1e4, 1e13].
+      poisson_ratio: in (-1, 0.5].
+      density_kg_m3: in [1, 1e5]; hair: 1300.
+      internal_friction: gamma of [SH06] (5d) [kg m^3/s], in [0, 1]; clumps of hair: 5e-11 to 5e-10.
+      air_drag: nu of [SH06] (5a) [kg/(m s)], in [0, 10]; disciplined hair 5e-6, fuzzy hair 5e-5.
+      natural_twist, natural_curvature_1, natural_curvature_2: per element, root to tip [rad/m],
+        within ±1e5: N numbers, or one for all. Component i turns about n_i.
+
+    The server checks the ranges; its error names the guide and the field.
+    """
+
+    root_position: ArrayLike = (0.0, 0.0, 0.0)
+    root_frame: ArrayLike = IDENTITY
+    length_m: float = 0.0
+    element_count: int = 0
+    element_lengths_m: ArrayLike = ()
+    radius_1_m: float
+    radius_2_m: float
+    young_modulus_pa: float
+    poisson_ratio: float
+    density_kg_m3: float
+    internal_friction: float
+    air_drag: float
+    natural_twist: ArrayLike = 0.0
+    natural_curvature_1: ArrayLike = 0.0
+    natural_curvature_2: ArrayLike = 0.0
+
+    def __post_init__(self):
+        object.__setattr__(self, "root_position", vector("root_position", self.root_position, 3))
+        object.__setattr__(self, "root_frame", vector("root_frame", self.root_frame, 4))
+        lists = ("element_lengths_m", "natural_twist", "natural_curvature_1", "natural_curvature_2")
+        for name in lists:
+            values = np.atleast_1d(np.array(getattr(self, name), dtype=np.float64))
+            if values.ndim != 1:
+                raise InvalidArgument.of(name, f"has shape {values.shape}, must be a list")
+            object.__setattr__(self, name, values)
+
+    def resolved_element_lengths_m(self) -> np.ndarray:
+        """Element lengths, given or equal, (N,) [m]."""
+        if self.element_lengths_m.size:
+            return self.element_lengths_m
+        return np.full(self.element_count, self.length_m / self.element_count)
+
+
+@dataclass(frozen=True, eq=False)
+class Ellipsoid:
+    """An ellipsoid scalp with axes along the head frame.
+
+    Hair grows where the outward normal is within `cap_angle` of `cap_axis`.
+
+    Attributes:
+      radii_m: half axes, each in [1e-3, 10] [m], (3,).
+      center: head frame [m], (3,).
+      cap_axis: direction of the middle of the hair, (3,).
+      cap_angle: in (0, pi] [rad]; 0 means the whole ellipsoid.
+    """
+
+    radii_m: ArrayLike
+    center: ArrayLike = (0.0, 0.0, 0.0)
+    cap_axis: ArrayLike = (0.0, 1.0, 0.0)
+    cap_angle: float = 0.0
+
+    def __post_init__(self):
+        for name in ("radii_m", "center", "cap_axis"):
+            object.__setattr__(self, name, vector(name, getattr(self, name), 3))
+
+
+@dataclass(frozen=True)
+class GuideGeneration:
+    """Asks the server to place and shape guides on the scalp. Same numbers, same bits.
+
+    Attributes:
+      hair_type: a `HairType` or its value, such as `"caucasian_wavy"`.
+      guide_count: 1 to the server's limit; placed by blue noise over the hair region.
+      length_m: in (0, 5] [m].
+      element_count: elements per guide; 0 lets the server choose by hair type and length.
+      seed: of everything random.
+      curl_variation: relative size of the variation of natural curvatures and twist along each
+        strand, in [0, 1]; None is the server's default, 0.05.
+      root_droop: how far roots lean from the scalp's normal toward the ground, 0 (along the normal)
+        to 1; None is the server's default, 0.3.
+    """
+
+    hair_type: HairType | str
+    guide_count: int
+    length_m: float
+    element_count: int = 0
+    seed: int = 0
+    curl_variation: float | None = None
+    root_droop: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Groom:
+    """A groom that the server holds. Its content never changes.
+
+    Attributes:
+      name: `grooms/{groom}`.
+      display_name: free text.
+      create_time: UTC.
+      guide_count: guides.
+      element_count: elements of all guides together.
+      longest_guide_m: length of the longest guide [m].
+      hair_type: the preset that generated it; None for uploaded guides.
+      seed: the seed that generated it.
+      etag: digest of the content: equal content, equal etag.
+      has_scalp: whether it holds a scalp.
+      guides, scalp: the content; only `export_groom` fills them.
+    """
+
+    name: str
+    display_name: str = ""
+    create_time: datetime | None = None
+    guide_count: int = 0
+    element_count: int = 0
+    longest_guide_m: float = 0.0
+    hair_type: HairType | None = None
+    seed: int = 0
+    etag: str = ""
+    has_scalp: bool = False
+    guides: tuple[Guide, ...] = ()
+    scalp: Mesh | Ellipsoid | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class RestShape:
+    """Static equilibrium of every guide with the head at rest.
+
+    Attributes:
+      positions: points at equal arc length, root first, (guide, point, 3) float64, head frame [m].
+      curvatures: twist and two curvatures, (element of all guides, 3) float64 [rad/m].
+      residuals: largest unbalanced generalized force over the weight's largest one, (guide,); at
+        most 1e-6 where the solver converged.
+    """
+
+    positions: np.ndarray
+    curvatures: np.ndarray
+    residuals: np.ndarray
+
+
+def frame_along(direction: ArrayLike, n1: ArrayLike | None = None) -> np.ndarray:
+    """A root frame whose n0 points along `direction` (3,), as a quaternion (4,).
+
+    Without `n1` it is the shortest turn that takes (1, 0, 0) there. With it, n1 is the part of that
+    vector across `direction`. InvalidArgument for a zero direction or a parallel `n1`.
+    """
+    n0 = _unit("direction", vector("direction", direction, 3))
+    if n1 is None:
+        if n0[0] < -1 + 1e-12:
+            return np.array([0.0, 0.0, 1.0, 0.0])  # Half a turn about z.
+        return _unit("direction", np.array([0.0, -n0[2], n0[1], 1 + n0[0]]))
+    across = vector("n1", n1, 3)
+    across = _unit("n1", across - n0 * (n0 @ across))
+    return Rotation.from_matrix(np.column_stack([n0, across, np.cross(n0, across)])).as_quat()
+
+
+def _unit(name: str, values: np.ndarray) -> np.ndarray:
+    norm = np.linalg.norm(values)
+    if not (np.isfinite(norm) and norm > 1e-12):
+        raise InvalidArgument.of(name, f"{values} has no direction")
+    return values / norm

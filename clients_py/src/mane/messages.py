@@ -1,0 +1,331 @@
+"""Conversions between this package's classes and the API's messages."""
+
+from __future__ import annotations
+
+import uuid
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from datetime import UTC, datetime
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from mane.errors import Internal, InvalidArgument
+from mane.groom import Ellipsoid, Groom, Guide, GuideGeneration, HairType, RestShape
+from mane.mesh import Mesh
+from mane.motion import Motion
+from mane.pose import IDENTITY, Environment, Pose, vector
+from mane.v1 import animation_pb2, bake_pb2, groom_pb2, types_pb2
+
+# Uploads travel in pieces of about this size, well under the server's limit of 1 MiB a message.
+PIECE_BYTES = 512 * 1024
+
+MESH_ARRAYS = {"vertices": "<f4", "triangles": "<u4", "hair_triangles": "<u4"}
+
+
+def request_id() -> str:
+    """A fresh identifier that makes a retry of the same request safe."""
+    return str(uuid.uuid4())
+
+
+def resource_name(collection: str, resource) -> str:
+    """`grooms/x` for a resource object, for `grooms/x` and for plain `x`."""
+    name = resource if isinstance(resource, str) else resource.name
+    return name if name.startswith(f"{collection}/") else f"{collection}/{name}"
+
+
+def choice(field: str, enum_class, value):
+    """`value` as a member of a string enum. InvalidArgument names the members where it is none."""
+    try:
+        return enum_class(value.lower() if isinstance(value, str) else value)
+    except ValueError:
+        allowed = ", ".join(member.value for member in enum_class)
+        raise InvalidArgument.of(field, f"is {value!r}, must be one of {allowed}") from None
+
+
+def vector3(values: ArrayLike, name: str = "vector") -> types_pb2.Vector3:
+    x, y, z = vector(name, values, 3)
+    return types_pb2.Vector3(x=x, y=y, z=z)
+
+
+def quaternion(values: ArrayLike, name: str = "quaternion") -> types_pb2.Quaternion:
+    x, y, z, w = vector(name, values, 4)
+    return types_pb2.Quaternion(x=x, y=y, z=z, w=w)
+
+
+def from_vector3(message: types_pb2.Vector3) -> tuple[float, float, float]:
+    return message.x, message.y, message.z
+
+
+def from_quaternion(message: types_pb2.Quaternion) -> tuple[float, float, float, float]:
+    return message.x, message.y, message.z, message.w
+
+
+def rigid(pose: Pose) -> types_pb2.Pose:
+    return types_pb2.Pose(position=vector3(pose.position), orientation=quaternion(pose.orientation))
+
+
+def head_pose(pose: Pose) -> animation_pb2.HeadPose:
+    return animation_pb2.HeadPose(time_s=pose.time_s, pose=rigid(pose))
+
+
+def from_rigid(time_s: float, message: types_pb2.Pose) -> Pose:
+    turned = message.HasField("orientation")
+    orientation = from_quaternion(message.orientation) if turned else IDENTITY
+    return Pose(time_s, from_vector3(message.position), orientation)
+
+
+def environment(value: Environment) -> animation_pb2.Environment:
+    message = animation_pb2.Environment(
+        internal_friction_scale=value.internal_friction_scale,
+        air_drag_scale=value.air_drag_scale,
+    )
+    if value.wind_velocity is not None:
+        message.wind_velocity.CopyFrom(vector3(value.wind_velocity, "wind_velocity"))
+    if value.gravity is not None:
+        message.gravity.CopyFrom(vector3(value.gravity, "gravity"))
+    return message
+
+
+def guide(value: Guide) -> groom_pb2.Guide:
+    return groom_pb2.Guide(
+        root_position=vector3(value.root_position),
+        root_frame=quaternion(value.root_frame),
+        length_m=value.length_m,
+        element_count=value.element_count,
+        element_lengths_m=value.element_lengths_m,
+        radius_1_m=value.radius_1_m,
+        radius_2_m=value.radius_2_m,
+        young_modulus_pa=value.young_modulus_pa,
+        poisson_ratio=value.poisson_ratio,
+        density_kg_m3=value.density_kg_m3,
+        internal_friction=value.internal_friction,
+        air_drag=value.air_drag,
+        natural_twist=value.natural_twist,
+        natural_curvature_1=value.natural_curvature_1,
+        natural_curvature_2=value.natural_curvature_2,
+    )
+
+
+def from_guide(message: groom_pb2.Guide) -> Guide:
+    turned = message.HasField("root_frame")
+    return Guide(
+        root_position=from_vector3(message.root_position),
+        root_frame=from_quaternion(message.root_frame) if turned else IDENTITY,
+        length_m=message.length_m,
+        element_count=message.element_count,
+        element_lengths_m=message.element_lengths_m,
+        radius_1_m=message.radius_1_m,
+        radius_2_m=message.radius_2_m,
+        young_modulus_pa=message.young_modulus_pa,
+        poisson_ratio=message.poisson_ratio,
+        density_kg_m3=message.density_kg_m3,
+        internal_friction=message.internal_friction,
+        air_drag=message.air_drag,
+        natural_twist=message.natural_twist,
+        natural_curvature_1=message.natural_curvature_1,
+        natural_curvature_2=message.natural_curvature_2,
+    )
+
+
+def hair_type(value: HairType | str) -> int:
+    name = choice("hair_type", HairType, value).name
+    return groom_pb2.HairType.Value(f"HAIR_TYPE_{name}")
+
+
+def generation(value: GuideGeneration) -> groom_pb2.GuideGeneration:
+    return groom_pb2.GuideGeneration(
+        hair_type=hair_type(value.hair_type),
+        guide_count=value.guide_count,
+        length_m=value.length_m,
+        element_count=value.element_count,
+        seed=value.seed,
+        curl_variation=value.curl_variation,
+        root_droop=value.root_droop,
+    )
+
+
+def ellipsoid(value: Ellipsoid) -> groom_pb2.EllipsoidScalp:
+    return groom_pb2.EllipsoidScalp(
+        center=vector3(value.center),
+        radii_m=vector3(value.radii_m),
+        cap_axis=vector3(value.cap_axis),
+        cap_angle=value.cap_angle,
+    )
+
+
+def from_ellipsoid(message: groom_pb2.EllipsoidScalp) -> Ellipsoid:
+    axis = from_vector3(message.cap_axis) if message.HasField("cap_axis") else (0.0, 1.0, 0.0)
+    return Ellipsoid(
+        radii_m=from_vector3(message.radii_m),
+        center=from_vector3(message.center),
+        cap_axis=axis,
+        cap_angle=message.cap_angle,
+    )
+
+
+def create_header(
+    groom_id: str, display_name: str, generate: GuideGeneration | None
+) -> groom_pb2.CreateGroomHeader:
+    return groom_pb2.CreateGroomHeader(
+        groom_id=groom_id,
+        display_name=display_name,
+        request_id=request_id(),
+        generate=None if generate is None else generation(generate),
+    )
+
+
+def create_groom(
+    header: groom_pb2.CreateGroomHeader, guides: Iterable[Guide], scalp: Mesh | Ellipsoid | None
+) -> Iterator[groom_pb2.CreateGroomRequest]:
+    """The messages of one upload, each about `PIECE_BYTES` at most."""
+    if isinstance(scalp, Ellipsoid):
+        header.ellipsoid.CopyFrom(ellipsoid(scalp))
+    yield groom_pb2.CreateGroomRequest(header=header)
+    if scalp is not None and not isinstance(scalp, Ellipsoid):
+        for piece in mesh_pieces(scalp):
+            yield groom_pb2.CreateGroomRequest(scalp_mesh=piece)
+    for batch in guide_batches(guides):
+        yield groom_pb2.CreateGroomRequest(guides=batch)
+
+
+def mesh_pieces(mesh: Mesh) -> Iterator[groom_pb2.TriangleMesh]:
+    """Pieces of whole vertices and triangles, to be concatenated."""
+    for field, dtype in MESH_ARRAYS.items():
+        data = np.ascontiguousarray(getattr(mesh, field), dtype=dtype).tobytes()
+        step = PIECE_BYTES // 12 * 12
+        for begin in range(0, len(data), step):
+            yield groom_pb2.TriangleMesh(**{field: data[begin : begin + step]})
+
+
+def guide_batches(guides: Iterable[Guide]) -> Iterator[groom_pb2.GuideBatch]:
+    batch, size = groom_pb2.GuideBatch(), 0
+    for value in guides:
+        message = guide(value)
+        if size and size + message.ByteSize() > PIECE_BYTES:
+            yield batch
+            batch, size = groom_pb2.GuideBatch(), 0
+        batch.guides.append(message)
+        size += message.ByteSize() + 8  # Tag and length.
+    if size:
+        yield batch
+
+
+class ExportedGroom:
+    """Collects the pieces of one download."""
+
+    def __init__(self):
+        self._groom: groom_pb2.Groom | None = None
+        self._guides: list[Guide] = []
+        self._ellipsoid: groom_pb2.EllipsoidScalp | None = None
+        self._mesh = {field: bytearray() for field in MESH_ARRAYS}
+
+    def add(self, part: groom_pb2.ExportGroomResponse) -> None:
+        match part.WhichOneof("part"):
+            case "groom":
+                self._groom = part.groom
+            case "guides":
+                self._guides += map(from_guide, part.guides.guides)
+            case "ellipsoid":
+                self._ellipsoid = part.ellipsoid
+            case "scalp_mesh":
+                for field, data in self._mesh.items():
+                    data += getattr(part.scalp_mesh, field)
+
+    def groom(self) -> Groom:
+        """The whole groom. Internal where the download is not complete."""
+        if self._groom is None or len(self._guides) != self._groom.guide_count:
+            raise Internal("the server's export of the groom is not complete")
+        return replace(from_groom(self._groom), guides=tuple(self._guides), scalp=self._scalp())
+
+    def _scalp(self) -> Mesh | Ellipsoid | None:
+        if self._ellipsoid is not None:
+            return from_ellipsoid(self._ellipsoid)
+        if not self._mesh["vertices"]:
+            return None
+        arrays = {
+            field: np.frombuffer(self._mesh[field], MESH_ARRAYS[field]) for field in self._mesh
+        }
+        return Mesh(
+            arrays["vertices"].reshape(-1, 3),
+            arrays["triangles"].reshape(-1, 3),
+            arrays["hair_triangles"],
+        )
+
+
+def from_groom(message: groom_pb2.Groom) -> Groom:
+    preset = groom_pb2.HairType.Name(message.hair_type).removeprefix("HAIR_TYPE_").lower()
+    return Groom(
+        name=message.name,
+        display_name=message.display_name,
+        create_time=utc(message, "create_time"),
+        guide_count=message.guide_count,
+        element_count=message.element_count,
+        longest_guide_m=message.longest_guide_m,
+        hair_type=None if preset == "unspecified" else HairType(preset),
+        seed=message.seed,
+        etag=message.etag,
+        has_scalp=message.has_scalp,
+    )
+
+
+def from_rest_shape(message: groom_pb2.ComputeRestShapeResponse) -> RestShape:
+    points = message.points_per_guide
+    return RestShape(
+        positions=np.frombuffer(message.positions, "<f8").reshape(-1, points, 3).copy(),
+        curvatures=np.frombuffer(message.curvatures, "<f8").reshape(-1, 3).copy(),
+        residuals=np.frombuffer(message.residuals, "<f8").copy(),
+    )
+
+
+def of_groom(kind, groom):
+    """A request of class `kind` that only names a groom."""
+    return kind(name=resource_name("grooms", groom))
+
+
+def of_job(kind, job):
+    """A request of class `kind` that only names a job."""
+    return kind(name=resource_name("jobs", job))
+
+
+def rest_shape(
+    groom, head_orientation, gravity, points_per_guide: int
+) -> groom_pb2.ComputeRestShapeRequest:
+    request = groom_pb2.ComputeRestShapeRequest(
+        name=resource_name("grooms", groom), points_per_guide=points_per_guide
+    )
+    if head_orientation is not None:
+        request.head_orientation.CopyFrom(quaternion(head_orientation, "head_orientation"))
+    if gravity is not None:
+        request.gravity.CopyFrom(vector3(gravity, "gravity"))
+    return request
+
+
+def bake(
+    groom, motion: Motion, points_per_guide: int, substeps: int, surroundings: Environment | None
+) -> bake_pb2.BakeAnimationRequest:
+    request = bake_pb2.BakeAnimationRequest(
+        groom=resource_name("grooms", groom),
+        motion=track(motion),
+        points_per_guide=points_per_guide,
+        substeps=substeps,
+        request_id=request_id(),
+    )
+    if surroundings is not None:
+        request.environment.CopyFrom(environment(surroundings))
+    return request
+
+
+def track(motion: Motion) -> bake_pb2.PoseTrack:
+    return bake_pb2.PoseTrack(
+        times_s=motion.times_s.astype("<f8").tobytes(),
+        positions=motion.positions.astype("<f8").tobytes(),
+        orientations=motion.orientations.astype("<f8").tobytes(),
+    )
+
+
+def utc(message, field: str) -> datetime | None:
+    """The UTC time in a timestamp field, or None where it is unset."""
+    if not message.HasField(field):
+        return None
+    return getattr(message, field).ToDatetime(tzinfo=UTC)

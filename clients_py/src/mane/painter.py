@@ -1,0 +1,224 @@
+"""Draws single moments of animated hair on a head.
+
+Guides are sparse, one or two hundred on a head: for drawing only, mane.wisps thickens each to a
+wisp of hairs.
+
+Hair is shaded after Kajiya and Kay: diffuse light goes with the sine of the angle between tangent
+and light, the highlight with a power of the sine of the angle between tangent and half vector. How
+much light reaches a point falls exponentially with its depth below the outermost hair as seen from
+the light. Head and hair go through one z-buffer (mane.raster), so that either hides the other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+from scipy.spatial.transform import Rotation
+
+from mane.errors import InvalidArgument
+from mane.mesh import Mesh
+from mane.motion import Motion
+from mane.raster import Camera, ZBuffer
+from mane.wisps import Wisps
+
+_SKIN = np.array([0.62, 0.43, 0.33])  # Colours are linear, not sRGB.
+_BACKGROUND = np.array([[0.66, 0.69, 0.73], [0.36, 0.39, 0.44]])  # At the top, at the bottom.
+_FLOOR_LINE = np.array([0.20, 0.22, 0.26])
+_FLOOR_STEP_M = 0.25
+_CAMERA_LAG_S = 0.15  # The camera smooths the head's path with a Gaussian of this width.
+_SHADOW_CELL_M = 0.006
+_SHADOW_CELLS = 1000  # At most, along either side; what is farther away shares the last ones.
+_SHADOW_DEPTH_M = 0.025  # Light falls to 1/e this far below the outermost hair.
+
+
+@dataclass(frozen=True)
+class View:
+    """Where the camera stands: angles about the head's first heading, [deg].
+
+    azimuth_deg: 0 looks the figure in the face, 90 is on its left, 180 behind it.
+    elevation_deg: above the horizon. height_m: what the picture's height shows at the head [m].
+    """
+
+    azimuth_deg: float
+    elevation_deg: float
+    height_m: float = 0.62
+
+
+@dataclass(frozen=True)
+class Look:
+    """How pictures look.
+
+    hair_color: linear RGB, each in [0, 1]. hairs: about how many are drawn, at least 1.
+    size: pixels of a picture's side, a multiple of 16.
+    """
+
+    hair_color: Sequence[float] = (0.13, 0.06, 0.025)
+    hairs: int = 2400
+    size: int = 480
+
+    def __post_init__(self) -> None:
+        if self.hairs < 1:
+            raise InvalidArgument.of("hairs", f"is {self.hairs}, must be at least 1")
+        if self.size < 16 or self.size % 16:
+            raise InvalidArgument.of("size", f"is {self.size}, must be a multiple of 16")
+
+
+class Painter:
+    """Draws single moments of one groom on one head.
+
+    mesh: the head, or None for hair alone. positions: (frames, guides, points, 3) world [m].
+    motion: the head pose of every frame.
+
+    Raises InvalidArgument when the shapes do not fit or a number is not finite.
+    """
+
+    def __init__(
+        self,
+        mesh: Mesh | None,
+        positions: np.ndarray,
+        motion: Motion,
+        look: Look,
+    ) -> None:
+        positions = np.asarray(positions)
+        if positions.ndim != 4 or positions.shape[3] != 3 or positions.shape[2] < 2:
+            raise InvalidArgument.of(
+                "positions",
+                f"has shape {positions.shape}, must be (frames, guides, points >= 2, 3)",
+            )
+        if len(positions) != len(motion):
+            raise InvalidArgument.of(
+                "motion",
+                f"has {len(motion)} poses, must have one for each of {len(positions)} frames",
+            )
+        if not np.isfinite(positions).all():
+            raise InvalidArgument.of("positions", "holds a number that is not finite")
+        self._mesh, self._positions, self._motion = mesh, positions, motion
+        self._color, self._size = np.asarray(look.hair_color, float), look.size
+        self._heads = Rotation.from_quat(motion.orientations)
+        roots = self._heads[0].inv().apply(positions[0, :, 0] - motion.positions[0])
+        self._wisps = Wisps.scatter(mesh, roots, look.hairs)
+        if mesh is not None:
+            self._normals = mesh.vertex_normals()
+            self._skin = _scalp_colors(mesh, self._color)
+        facing = self._heads[0].apply((0, 0, 1))
+        self._heading = np.arctan2(facing[0], facing[2])
+        rate = (len(motion) - 1) / max(motion.duration_s, 1e-9)
+        blur = max(_CAMERA_LAG_S * rate, 0.01)  # Frames; a single one has no rate.
+        self._targets = gaussian_filter1d(motion.positions, blur, axis=0, mode="nearest")
+        lowest = 0.25 if mesh is None else -float(mesh.vertices[:, 1].min())
+        self._floor_y = motion.positions[0, 1] - lowest - 0.03
+
+    def frame(self, index: int, view: View) -> np.ndarray:
+        """The picture of one frame, uint8 (size, size, 3)."""
+        camera = self._camera(index, view)
+        fade = np.linspace(0, 1, self._size)[:, None, None]
+        canvas = ZBuffer(
+            self._size, self._size, camera, (1 - fade) * _BACKGROUND[0] + fade * _BACKGROUND[1]
+        )
+        canvas.lines(*_floor(camera.target, self._floor_y))
+        right, up, back = camera.axes()
+        light = _unit(0.55 * back + 0.35 * right + 0.75 * up)
+        head = self._heads[index]
+        hairs = self._wisps.hairs(self._positions[index], head)
+        shadow = _Shadow(hairs, light)
+        if self._mesh is not None:
+            points = head.apply(self._mesh.vertices) + self._motion.positions[index]
+            normals = head.apply(self._normals)
+            canvas.triangles(
+                points,
+                self._mesh.triangles,
+                _skin_light(normals, light, up, shadow, points) * self._skin,
+                back=0.25,
+            )
+        canvas.lines(hairs, self._hair_light(hairs, light, camera, shadow))
+        return canvas.image()
+
+    def _camera(self, index: int, view: View) -> Camera:
+        azimuth = self._heading + np.radians(view.azimuth_deg)
+        elevation = np.radians(view.elevation_deg)
+        toward_eye = np.array(
+            [
+                np.sin(azimuth) * np.cos(elevation),
+                np.sin(elevation),
+                np.cos(azimuth) * np.cos(elevation),
+            ]
+        )
+        target = self._targets[index] + (0, -0.05, 0)
+        return Camera(target + 1.6 * toward_eye, target, view.height_m)
+
+    def _hair_light(self, hairs, light, camera: Camera, shadow: _Shadow) -> np.ndarray:
+        tangents = _unit(np.gradient(hairs, axis=1))
+        half = _unit(light + _unit(np.asarray(camera.eye) - hairs))
+        diffuse = _sine(tangents @ light)
+        shine = _sine((tangents * half).sum(axis=-1)) ** 60
+        lit = shadow.light_at(hairs)
+        amount = self._wisps.tint[:, None] * (0.30 + 0.90 * diffuse * lit)
+        return (
+            self._color * amount[..., None] + (0.16 + 0.5 * self._color) * (shine * lit)[..., None]
+        )
+
+
+class _Shadow:
+    """How deep points lie below the outermost hair, seen along the light."""
+
+    def __init__(self, hairs: np.ndarray, light: np.ndarray) -> None:
+        across = _unit(np.cross(light, (0.31, 0.17, 0.93)))
+        self._axes = np.stack([across, np.cross(light, across), light])
+        place = hairs.reshape(-1, 3) @ self._axes.T
+        self._low = place[:, :2].min(axis=0) - 2 * _SHADOW_CELL_M
+        cells = np.ceil((place[:, :2].max(axis=0) - self._low) / _SHADOW_CELL_M).astype(int) + 3
+        self._top = np.full(np.minimum(cells, _SHADOW_CELLS), -np.inf)
+        np.maximum.at(self._top, self._cells(place), place[:, 2])
+
+    def light_at(self, points: np.ndarray) -> np.ndarray:
+        """Part of the light that reaches points (..., 3): (...), in (0, 1]."""
+        place = points @ self._axes.T
+        below = np.maximum(self._top[self._cells(place)] - place[..., 2], 0)
+        return np.exp(-below / _SHADOW_DEPTH_M)
+
+    def _cells(self, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        cell = np.floor((place[..., :2] - self._low) / _SHADOW_CELL_M).astype(np.int64)
+        cell = np.clip(cell, 0, np.array(self._top.shape) - 1)
+        return cell[..., 0], cell[..., 1]
+
+
+def _skin_light(normals, light, up, shadow: _Shadow, points) -> np.ndarray:
+    """Brightness (n, 1): soft key light, a little from above, less under hair."""
+    key = np.clip(0.75 * (normals @ light) + 0.25, 0, None)
+    sky = 0.5 + 0.5 * (normals @ up)
+    return (key * (0.35 + 0.65 * shadow.light_at(points)) + 0.22 * sky)[:, None]
+
+
+def _scalp_colors(mesh: Mesh, hair_color: np.ndarray) -> np.ndarray:
+    """Skin, darkened toward the hair's colour where hair grows, so that partings look natural."""
+    colors = np.tile(_SKIN, (len(mesh.vertices), 1))
+    colors[np.unique(mesh.triangles[mesh.hair_triangles])] = 0.35 * _SKIN + 0.65 * hair_color
+    return colors
+
+
+def _floor(target: np.ndarray, y: float) -> tuple[np.ndarray, np.ndarray]:
+    """A grid fixed in the world, below the head: lines (l, p, 3) and colours that fade out."""
+    reach, count = 1.5, 61
+    ticks = _FLOOR_STEP_M * np.arange(-6, 7)
+    middle = np.round(target / _FLOOR_STEP_M) * _FLOOR_STEP_M
+    along, across = np.meshgrid(np.linspace(-reach, reach, count), ticks)
+    level = np.full_like(along, y)
+    lines = np.concatenate(
+        [
+            np.stack([middle[0] + along, level, middle[2] + across], -1),
+            np.stack([middle[0] + across, level, middle[2] + along], -1),
+        ]
+    )
+    near = np.exp(-3 * ((lines - target)[..., [0, 2]] ** 2).sum(axis=-1))[..., None]
+    return lines, near * _FLOOR_LINE + (1 - near) * _BACKGROUND.mean(axis=0)
+
+
+def _unit(v: np.ndarray) -> np.ndarray:
+    return v / np.maximum(np.linalg.norm(v, axis=-1, keepdims=True), 1e-12)
+
+
+def _sine(cosine: np.ndarray) -> np.ndarray:
+    return np.sqrt(np.clip(1 - cosine * cosine, 0, 1))

@@ -1,0 +1,57 @@
+"""What drives a head of hair: timed head poses, and the air and gravity around it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from mane.errors import InvalidArgument
+
+IDENTITY = (0.0, 0.0, 0.0, 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Pose:
+    """Where the head is at one moment: world = orientation * head + position.
+
+    Attributes:
+      time_s: the caller's clock, any origin [s].
+      position: origin of the head frame in world axes [m], (3,), each within ±1e6.
+      orientation: rotation head -> world, quaternion (x, y, z, w), (4,). A norm within 1 % of one
+        is normalised by the server; anything else is refused.
+    """
+
+    time_s: float = 0.0
+    position: ArrayLike = (0.0, 0.0, 0.0)
+    orientation: ArrayLike = IDENTITY
+
+    def __post_init__(self):
+        object.__setattr__(self, "time_s", float(self.time_s))
+        object.__setattr__(self, "position", vector("position", self.position, 3))
+        object.__setattr__(self, "orientation", vector("orientation", self.orientation, 4))
+
+
+@dataclass(frozen=True, eq=False)
+class Environment:
+    """What surrounds the hair. None leaves a value as it is.
+
+    Attributes:
+      wind_velocity: uniform air velocity, world [m/s], (3,), each within ±100.
+      gravity: world [m/s^2], (3,), each within ±1000; at first (0, -9.81, 0).
+      internal_friction_scale, air_drag_scale: factors on every guide's own, 0 to 1000; at first 1.
+    """
+
+    wind_velocity: ArrayLike | None = None
+    gravity: ArrayLike | None = None
+    internal_friction_scale: float | None = None
+    air_drag_scale: float | None = None
+
+
+def vector(name: str, values: ArrayLike, size: int) -> np.ndarray:
+    """`values` as (size,) float64. InvalidArgument naming the field where the shape is another."""
+    array = np.array(values, dtype=np.float64)
+    if array.shape != (size,):
+        raise InvalidArgument.of(name, f"has shape {array.shape}, must be ({size},)")
+    return array

@@ -1,0 +1,15 @@
+#pragma once
+
+#include "app/options.h"
+#include "base/result.h"
+
+namespace mane::app {
+
+/// Asks the server that these options would start, through grpc.health.v1, whether it serves. An
+/// unspecified address such as 0.0.0.0 is asked on loopback. With TLS the certificate is not
+/// verified: the question carries no secret.
+///
+/// kUnavailable when it does not answer SERVING within 5 s.
+[[nodiscard]] Result<void> CheckHealth(const Options& options);
+
+}  // namespace mane::app

@@ -1,0 +1,45 @@
+#include "exec/worker_pool.h"
+
+#include <thread>
+#include <utility>
+
+#include "base/check.h"
+
+namespace mane::exec {
+namespace {
+
+// oneTBB shares its threads among all arenas and starts at most as many as the largest live
+// global_control allows, so each pool asks for the machine's own plus a margin for other pools.
+size_t Parallelism(int workers) {
+  return static_cast<size_t>(workers) + std::thread::hardware_concurrency() + 4;
+}
+
+}  // namespace
+
+WorkerPool::WorkerPool(int workers)
+    : workers_(workers),
+      parallelism_(tbb::global_control::max_allowed_parallelism, Parallelism(workers)),
+      arena_(workers, /*reserved_for_masters=*/0) {
+  MANE_CHECK(workers >= 1);
+}
+
+WorkerPool::~WorkerPool() { WaitIdle(); }
+
+void WorkerPool::Post(std::function<void()> task) {
+  {
+    std::lock_guard lock(mutex_);
+    ++pending_;
+  }
+  arena_.enqueue([this, task = std::move(task)] {
+    task();
+    std::lock_guard lock(mutex_);
+    if (--pending_ == 0) idle_.notify_all();
+  });
+}
+
+void WorkerPool::WaitIdle() {
+  std::unique_lock lock(mutex_);
+  idle_.wait(lock, [this] { return pending_ == 0; });
+}
+
+}  // namespace mane::exec

@@ -1,0 +1,98 @@
+#include "groom/assemble.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <span>
+#include <utility>
+
+#include "groom/range.h"
+#include "groom/validate.h"
+#include "rod/statics.h"
+
+namespace mane::groom {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr size_t kMaxNameBytes = 200;
+constexpr int kGuidesPerPiece = 2;  // One guide takes long enough to outweigh handing it over.
+const Vector3d kGravity(0, -9.81, 0);
+
+bool AllFinite(std::span<const Vector3d> vectors) {
+  return std::ranges::all_of(vectors, [](const Vector3d& v) { return v.allFinite(); });
+}
+
+Result<void> Validate(const Parts& parts, const Limits& limits) {
+  if (parts.display_name.size() > kMaxNameBytes) {
+    return InvalidArgument("header.display_name",
+                           fmt::format("header.display_name has {} bytes; at most {} are allowed",
+                                       parts.display_name.size(), kMaxNameBytes));
+  }
+  if (parts.guides.empty()) {
+    return InvalidArgument("guides", "guides is empty; a groom needs at least one guide");
+  }
+  if (std::ssize(parts.guides) > limits.max_guides) {
+    return TooMany("guides", "guides", std::ssize(parts.guides), limits.max_guides);
+  }
+  long elements = 0;
+  for (const Guide& guide : parts.guides) elements += guide.strand.elements();
+  if (elements > limits.max_elements) {
+    return TooMany("guides", "elements", elements, limits.max_elements);
+  }
+  if (!parts.rest_theta.empty() &&
+      (std::ssize(parts.rest_theta) != elements || !AllFinite(parts.rest_theta))) {
+    return InvalidArgument("rest_theta",
+                           fmt::format("rest_theta holds {} vectors; it must hold {}, all finite",
+                                       parts.rest_theta.size(), elements));
+  }
+  return ValidateScalp(parts.scalp, limits);
+}
+
+void SolveRest(const Guide& guide, std::span<Vector3d> theta) {
+  const auto set_natural = [&] {
+    for (size_t Q = 0; Q < theta.size(); ++Q) {
+      theta[Q] = guide.strand.length[Q] * guide.strand.natural[Q];
+    }
+  };
+  set_natural();
+  (void)rod::SolveRestShape(guide.strand, guide.root, kGravity, theta);
+  if (!AllFinite(theta)) set_natural();
+}
+
+}  // namespace
+
+Result<std::shared_ptr<const Groom>> Assemble(Parts parts, const Limits& limits,
+                                              exec::WorkerPool* pool) {
+  if (auto valid = Validate(parts, limits); !valid) return valid.error();
+  auto groom = std::make_shared<Groom>();
+  groom->display_name = std::move(parts.display_name);
+  groom->hair_type = parts.hair_type;
+  groom->seed = parts.seed;
+  groom->scalp = std::move(parts.scalp);
+  groom->guides = std::move(parts.guides);
+
+  groom->first_element = {0};
+  for (const Guide& guide : groom->guides) {
+    groom->first_element.push_back(groom->element_count() + guide.strand.elements());
+  }
+  groom->rest_theta = std::move(parts.rest_theta);
+  if (groom->rest_theta.empty()) {
+    groom->rest_theta.resize(groom->element_count());
+    const auto solve = [&](int begin, int end) {
+      for (int i = begin; i < end; ++i) {
+        const Guide& guide = groom->guides[i];
+        SolveRest(guide, std::span(groom->rest_theta)
+                             .subspan(groom->first_element[i], guide.strand.elements()));
+      }
+    };
+    if (pool != nullptr) {
+      pool->ParallelFor(groom->guide_count(), kGuidesPerPiece, solve);
+    } else {
+      solve(0, groom->guide_count());
+    }
+  }
+  return std::shared_ptr<const Groom>(std::move(groom));
+}
+
+}  // namespace mane::groom

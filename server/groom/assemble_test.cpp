@@ -1,0 +1,175 @@
+// Properties of Assemble:
+//   indices  first_element counts the elements of all guides
+//   rest     rest angles are an equilibrium: no unbalanced moment, less energy than the natural
+//            shape; a hanging straight strand stays straight
+//   workers  the same bits without a pool and with pools of any size
+//   kept     rest angles from storage are taken as they are
+//   refusal  empty, too large, or ill-fitting parts are refused by name
+
+#include "groom/assemble.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+
+#include <limits>
+#include <numbers>
+
+#include "groom/generate.h"
+#include "groom/validate.h"
+#include "rod/energy.h"
+
+namespace mane::groom {
+namespace {
+
+using Eigen::Vector3d;
+
+const Vector3d kGravity(0, -9.81, 0);
+
+Parts Generated(HairType type, uint32_t guides) {
+  Parts parts;
+  parts.display_name = "test";
+  parts.hair_type = type;
+  parts.seed = 3;
+  parts.scalp = Ellipsoid{{0, 0, 0}, {0.08, 0.11, 0.1}, {0, 1, 0}, 1.4};
+  Generation generation;
+  generation.hair_type = type;
+  generation.guide_count = guides;
+  generation.length_m = 0.15;
+  generation.seed = 3;
+  parts.guides = *Generate(parts.scalp, generation, {});
+  return parts;
+}
+
+GuideDescription Straight(const Eigen::Quaterniond& root) {
+  GuideDescription d;
+  d.root_frame = root;
+  d.length_m = 0.2;
+  d.element_count = 4;
+  d.radius_1_m = d.radius_2_m = 50e-6;
+  d.young_modulus_pa = 1e9;
+  d.poisson_ratio = 0.48;
+  d.density_kg_m3 = 1300;
+  return d;
+}
+
+TEST(AssembleTest, CountsElements) {
+  Parts parts;
+  for (const uint32_t N : {3, 1, 5}) {
+    GuideDescription d = Straight(Eigen::Quaterniond::Identity());
+    d.element_count = N;
+    parts.guides.push_back(*MakeGuide(d, 0));
+  }
+  const auto groom = Assemble(std::move(parts), {}, nullptr);
+  ASSERT_TRUE(groom);
+  EXPECT_EQ((*groom)->first_element, (std::vector<int>{0, 3, 4, 9}));
+  EXPECT_EQ((*groom)->guide_count(), 3);
+  EXPECT_EQ((*groom)->element_count(), 9);
+  EXPECT_EQ((*groom)->rest_theta.size(), 9u);
+}
+
+TEST(AssembleTest, FindsTheEquilibriumOfEveryGuide) {
+  for (const HairType type : {HairType::kAsianSmooth, HairType::kCaucasianWavy,
+                              HairType::kCaucasianCurly, HairType::kAfricanFuzzy}) {
+    SCOPED_TRACE(int(type));
+    const auto groom = Assemble(Generated(type, 6), {}, nullptr);
+    ASSERT_TRUE(groom);
+    EXPECT_EQ((*groom)->hair_type, type);
+    EXPECT_EQ((*groom)->display_name, "test");
+    EXPECT_EQ((*groom)->seed, 3u);
+    for (int i = 0; i < (*groom)->guide_count(); ++i) {
+      SCOPED_TRACE(i);
+      const Guide& guide = (*groom)->guides[i];
+      const int N = guide.strand.elements();
+      const std::span<const Vector3d> theta(&(*groom)->rest_theta[(*groom)->first_element[i]], N);
+      std::vector<Vector3d> gradient(N), natural(N);
+      rod::PotentialGradient(guide.strand, guide.root, kGravity, theta, gradient);
+      // Against the largest moment that the weight can exert.
+      const double moment = 0.5 * guide.strand.linear_density * 9.81 * 0.15 * 0.15;
+      for (const Vector3d& g : gradient) EXPECT_LT(g.cwiseAbs().maxCoeff(), 1e-6 * moment);
+      for (int Q = 0; Q < N; ++Q) natural[Q] = guide.strand.length[Q] * guide.strand.natural[Q];
+      const auto energy = [&](std::span<const Vector3d> angles) {
+        return rod::ElasticEnergy(guide.strand, angles) +
+               rod::GravityPotential(guide.strand, guide.root, kGravity, angles);
+      };
+      EXPECT_LT(energy(theta), energy(natural));
+    }
+  }
+}
+
+TEST(AssembleTest, AHangingStraightStrandStaysStraight) {
+  Parts parts;
+  const auto down = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitX(), -Vector3d::UnitY());
+  parts.guides.push_back(*MakeGuide(Straight(down), 0));
+  const auto groom = Assemble(std::move(parts), {}, nullptr);
+  ASSERT_TRUE(groom);
+  for (const Vector3d& theta : (*groom)->rest_theta) EXPECT_LT(theta.norm(), 1e-9);
+}
+
+TEST(AssembleTest, BitsDoNotDependOnTheWorkers) {
+  const auto alone = Assemble(Generated(HairType::kCaucasianWavy, 9), {}, nullptr);
+  ASSERT_TRUE(alone);
+  for (const int workers : {1, 2, 3}) {
+    exec::WorkerPool pool(workers);
+    const auto groom = Assemble(Generated(HairType::kCaucasianWavy, 9), {}, &pool);
+    ASSERT_TRUE(groom);
+    EXPECT_EQ((*groom)->rest_theta, (*alone)->rest_theta);
+  }
+}
+
+TEST(AssembleTest, TakesKeptRestAngles) {
+  Parts parts = Generated(HairType::kAsianSmooth, 2);
+  parts.rest_theta.assign(2 * parts.guides[0].strand.elements(), Vector3d(1, 2, 3));
+  const auto kept = parts.rest_theta;
+  const auto groom = Assemble(std::move(parts), {}, nullptr);
+  ASSERT_TRUE(groom);
+  EXPECT_EQ((*groom)->rest_theta, kept);
+}
+
+TEST(AssembleTest, RefusesRestAnglesThatDoNotFit) {
+  Parts parts = Generated(HairType::kAsianSmooth, 2);
+  parts.rest_theta.assign(3, Vector3d::Zero());
+  const auto few = Assemble(parts, {}, nullptr);
+  ASSERT_FALSE(few);
+  EXPECT_EQ(few.error().field, "rest_theta");
+  parts.rest_theta.assign(2 * parts.guides[0].strand.elements(), Vector3d::Zero());
+  parts.rest_theta[4].z() = std::numeric_limits<double>::quiet_NaN();
+  const auto nan = Assemble(parts, {}, nullptr);
+  ASSERT_FALSE(nan);
+  EXPECT_EQ(nan.error().field, "rest_theta");
+}
+
+TEST(AssembleTest, RefusesEmptyHugeAndInvalidGrooms) {
+  const Parts good = Generated(HairType::kAsianSmooth, 3);
+  const auto refused = [](Parts parts, const Limits& limits) {
+    const auto groom = Assemble(std::move(parts), limits, nullptr);
+    EXPECT_FALSE(groom);
+    return groom ? Error{} : groom.error();
+  };
+
+  Parts parts = good;
+  parts.guides.clear();
+  EXPECT_EQ(refused(parts, {}).code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(refused(parts, {}).field, "guides");
+
+  Limits limits;
+  limits.max_guides = 2;
+  EXPECT_EQ(refused(good, limits).code, ErrorCode::kResourceExhausted);
+  EXPECT_EQ(refused(good, limits).field, "guides");
+
+  limits = {};
+  limits.max_elements = 14;  // The three guides have 5 each.
+  EXPECT_EQ(refused(good, limits).code, ErrorCode::kResourceExhausted);
+  EXPECT_EQ(refused(good, limits).field, "guides");
+
+  parts = good;
+  parts.display_name.assign(201, 'x');
+  EXPECT_EQ(refused(parts, {}).field, "header.display_name");
+
+  parts = good;
+  std::get<Ellipsoid>(parts.scalp).radii.y() = -1;
+  EXPECT_EQ(refused(parts, {}).field, "header.ellipsoid.radii_m.y");
+}
+
+}  // namespace
+}  // namespace mane::groom

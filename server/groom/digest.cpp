@@ -1,0 +1,99 @@
+#include "groom/digest.h"
+
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include <bit>
+#include <memory>
+#include <type_traits>
+
+#include "base/check.h"
+
+namespace mane::groom {
+namespace {
+
+static_assert(std::endian::native == std::endian::little);
+
+class Hasher {
+ public:
+  Hasher() : state_(XXH3_createState(), XXH3_freeState) {
+    MANE_CHECK(state_ != nullptr && XXH3_128bits_reset(state_.get()) == XXH_OK);
+  }
+
+  template <typename T>
+    requires std::is_arithmetic_v<T>
+  void Add(T value) {
+    AddBytes(&value, sizeof value);
+  }
+  template <typename Scalar>
+  void Add(const Eigen::Vector3<Scalar>& v) {
+    AddBytes(v.data(), 3 * sizeof(Scalar));
+  }
+  // A list of numbers or of triples, which are dense in memory.
+  template <typename List>
+  void AddList(const List& list) {
+    Add(uint64_t{list.size()});
+    AddBytes(list.data(), list.size() * sizeof(typename List::value_type));
+  }
+
+  [[nodiscard]] std::string Hex() const {
+    XXH128_canonical_t digest;
+    XXH128_canonicalFromHash(&digest, XXH3_128bits_digest(state_.get()));
+    std::string hex;
+    for (const unsigned char byte : digest.digest) hex += fmt::format("{:02x}", byte);
+    return hex;
+  }
+
+ private:
+  void AddBytes(const void* bytes, size_t count) {
+    MANE_CHECK(XXH3_128bits_update(state_.get(), bytes, count) == XXH_OK);
+  }
+
+  std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state_;
+};
+
+void AddScalp(const Scalp& scalp, Hasher* hasher) {
+  hasher->Add(uint32_t(scalp.index()));
+  if (const auto* mesh = std::get_if<TriangleMesh>(&scalp)) {
+    static_assert(sizeof(Eigen::Vector3f) == 12);
+    hasher->AddList(mesh->vertices);
+    hasher->AddList(mesh->triangles);
+    hasher->AddList(mesh->hair_triangles);
+  } else if (const auto* ellipsoid = std::get_if<Ellipsoid>(&scalp)) {
+    hasher->Add(ellipsoid->center);
+    hasher->Add(ellipsoid->radii);
+    hasher->Add(ellipsoid->cap_axis);
+    hasher->Add(ellipsoid->cap_angle);
+  }
+}
+
+// Stiffness and linear density follow from the rest.
+void AddGuide(const Guide& guide, Hasher* hasher) {
+  static_assert(sizeof(Eigen::Vector3d) == 24);
+  hasher->Add(guide.root.p);
+  for (const double component : guide.root.q.coeffs()) hasher->Add(component);
+  hasher->Add(guide.section.radius_1);
+  hasher->Add(guide.section.radius_2);
+  hasher->Add(guide.material.young_modulus);
+  hasher->Add(guide.material.poisson_ratio);
+  hasher->Add(guide.material.density);
+  hasher->AddList(guide.strand.length);
+  hasher->AddList(guide.strand.natural);
+  hasher->Add(guide.strand.internal_friction);
+  hasher->Add(guide.strand.air_drag);
+}
+
+}  // namespace
+
+std::string Digest(const Groom& groom) {
+  Hasher hasher;
+  hasher.AddList(groom.display_name);
+  hasher.Add(static_cast<uint32_t>(groom.hair_type));
+  hasher.Add(groom.seed);
+  AddScalp(groom.scalp, &hasher);
+  hasher.Add(uint64_t{groom.guides.size()});
+  for (const Guide& guide : groom.guides) AddGuide(guide, &hasher);
+  return hasher.Hex();
+}
+
+}  // namespace mane::groom

@@ -1,0 +1,22 @@
+#include "groom/range.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace mane::groom {
+
+Error OutOfRange(std::string field, double value, const Range& range) {
+  std::string message =
+      fmt::format("{} is {}; it must lie in {}{:g}, {:g}]{}{}", field, value, range.open_low ? '(' : '[',
+                  range.low, range.high, *range.unit ? " " : "", range.unit);
+  return InvalidArgument(std::move(field), std::move(message));
+}
+
+Error TooMany(std::string field, std::string_view what, long count, long limit) {
+  std::string message =
+      fmt::format("{} asks for {} {}; this server allows at most {}", field, count, what, limit);
+  return {ErrorCode::kResourceExhausted, std::move(message), std::move(field)};
+}
+
+}  // namespace mane::groom

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <vector>
+
+#include "groom/groom.h"
+
+namespace mane::groom {
+
+/// A point of a scalp.
+struct ScalpPoint {
+  Eigen::Vector3d position;  ///< Head frame [m].
+  Eigen::Vector3d normal;    ///< Outward, unit: of the triangle's plane, or of the ellipsoid.
+  int triangle = -1;         ///< Index in the mesh; -1 on an ellipsoid.
+};
+
+/// Area of the hair region [m^2]; 0 without a scalp. Indices of a mesh must be in range.
+[[nodiscard]] double HairArea(const Scalp& scalp);
+
+/// Exactly `n` points spread evenly at random over the hair region: blue noise by sample elimination
+/// among ten times as many uniform points. Depends on `scalp`, `n` and `seed` only.
+///
+/// @param scalp  valid (ValidateScalp) and not empty. On an ellipsoid density is even as long as its
+///               radii are within a factor of about ten of each other.
+/// @param n      >= 1.
+[[nodiscard]] std::vector<ScalpPoint> SampleScalp(const Scalp& scalp, int n, uint64_t seed);
+
+}  // namespace mane::groom

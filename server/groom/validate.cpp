@@ -1,0 +1,295 @@
+#include "groom/validate.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <string>
+
+#include "groom/range.h"
+#include "groom/sampler.h"
+
+namespace mane::groom {
+namespace {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+constexpr double kSumTolerance = 1e-6;   // Relative, of element lengths.
+constexpr double kNormTolerance = 1e-2;  // Of quaternions.
+constexpr double kUnitTolerance = 1e-14;
+constexpr double kMinHairArea = 1e-10;  // m^2
+constexpr Range kCurvatureRange{-1e5, 1e5, "rad/m"};
+constexpr const char* kAxisNames[] = {"x", "y", "z"};
+
+Result<void> CheckVector(const std::string& field, const Vector3d& v, const Range& range) {
+  for (int k = 0; k < 3; ++k) {
+    if (!range.Contains(v[k])) return OutOfRange(field + "." + kAxisNames[k], v[k], range);
+  }
+  return {};
+}
+
+Result<Quaterniond> UnitQuaternion(const std::string& field, const Quaterniond& q) {
+  const double norm = q.norm();
+  if (!(std::abs(norm - 1) <= kNormTolerance)) {
+    return InvalidArgument(
+        field, fmt::format("{} is ({}, {}, {}, {}) of norm {}; the norm must be within 1 % of 1",
+                           field, q.x(), q.y(), q.z(), q.w(), norm));
+  }
+  return std::abs(q.squaredNorm() - 1) <= kUnitTolerance ? q : q.normalized();
+}
+
+Result<void> CheckScalars(const std::string& path, const GuideDescription& d) {
+  const struct {
+    const char* name;
+    double value;
+    Range range;
+  } fields[] = {
+      {"radius_1_m", d.radius_1_m, {1e-6, 1e-2, "m"}},
+      {"radius_2_m", d.radius_2_m, {1e-6, 1e-2, "m"}},
+      {"young_modulus_pa", d.young_modulus_pa, {1e4, 1e13, "Pa"}},
+      {"poisson_ratio", d.poisson_ratio, {-1, 0.5, "", true}},
+      {"density_kg_m3", d.density_kg_m3, {1, 1e5, "kg/m^3"}},
+      {"internal_friction", d.internal_friction, {0, 1, "kg m^3/s"}},
+      {"air_drag", d.air_drag, {0, 10, "kg/(m s)"}},
+  };
+  for (const auto& field : fields) {
+    if (!field.range.Contains(field.value)) {
+      return OutOfRange(path + field.name, field.value, field.range);
+    }
+  }
+  return {};
+}
+
+Result<std::vector<double>> EqualLengths(const std::string& path, const GuideDescription& d) {
+  if (d.element_count < 1 || d.element_count > kMaxElementsPerGuide) {
+    return OutOfRange(path + "element_count", d.element_count, {1, kMaxElementsPerGuide});
+  }
+  const Range range{kMinElementLength * d.element_count, kMaxLength, "m"};
+  if (!range.Contains(d.length_m)) return OutOfRange(path + "length_m", d.length_m, range);
+  return std::vector<double>(d.element_count, d.length_m / d.element_count);
+}
+
+Result<std::vector<double>> ElementLengths(const std::string& path, const GuideDescription& d) {
+  const std::vector<double>& lengths = d.element_lengths_m;
+  if (lengths.empty()) return EqualLengths(path, d);
+  const std::string field = path + "element_lengths_m";
+  if (lengths.size() > kMaxElementsPerGuide) {
+    return InvalidArgument(field, fmt::format("{} holds {} numbers; at most {} are allowed", field,
+                                              lengths.size(), kMaxElementsPerGuide));
+  }
+  if (d.element_count != 0 && d.element_count != lengths.size()) {
+    return InvalidArgument(
+        path + "element_count",
+        fmt::format("{}element_count is {}; it must be 0 or the {} of element_lengths_m", path,
+                    d.element_count, lengths.size()));
+  }
+  const Range element_range{kMinElementLength, kMaxLength, "m"};
+  for (size_t i = 0; i < lengths.size(); ++i) {
+    if (!element_range.Contains(lengths[i])) {
+      return OutOfRange(fmt::format("{}[{}]", field, i), lengths[i], element_range);
+    }
+  }
+  const double sum = std::accumulate(lengths.begin(), lengths.end(), 0.0);
+  if (sum > kMaxLength) {
+    return InvalidArgument(
+        field, fmt::format("{} sums to {} m; at most {} m is allowed", field, sum, kMaxLength));
+  }
+  if (d.length_m != 0 && !(std::abs(d.length_m - sum) <= kSumTolerance * sum)) {
+    return InvalidArgument(
+        path + "length_m",
+        fmt::format("{}length_m is {}; it must be 0 or the sum {} m of element_lengths_m to 1e-6",
+                    path, d.length_m, sum));
+  }
+  return lengths;
+}
+
+// Writes component `k` of every element's natural curvature.
+Result<void> ReadNatural(const std::string& field, const std::vector<double>& values, int k,
+                         std::vector<Vector3d>* natural) {
+  const size_t N = natural->size();
+  if (values.size() > 1 && values.size() != N) {
+    return InvalidArgument(field, fmt::format("{} holds {} numbers; it must hold none, one or {}",
+                                              field, values.size(), N));
+  }
+  for (size_t i = 0; i < values.size(); ++i) {
+    if (!kCurvatureRange.Contains(values[i])) {
+      return OutOfRange(fmt::format("{}[{}]", field, i), values[i], kCurvatureRange);
+    }
+  }
+  if (values.empty()) return {};
+  for (size_t i = 0; i < N; ++i) {
+    // Adding zero makes -0 a plain zero, so that lists of zeros are one thing.
+    (*natural)[i][k] = values[values.size() == 1 ? 0 : i] + 0.0;
+  }
+  return {};
+}
+
+// The shortest list that says component `k`: none for zeros, one number, or all.
+std::vector<double> DescribeNatural(const std::vector<Vector3d>& natural, int k) {
+  const double first = natural[0][k];
+  const bool same = std::ranges::all_of(natural, [&](const Vector3d& n) { return n[k] == first; });
+  if (same && first == 0) return {};
+  if (same) return {first};
+  std::vector<double> values;
+  for (const Vector3d& n : natural) values.push_back(n[k]);
+  return values;
+}
+
+Result<void> CheckIndices(const TriangleMesh& mesh) {
+  const size_t vertices = mesh.vertices.size();
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (const uint32_t v : mesh.triangles[t]) {
+      if (v < vertices) continue;
+      const std::string field = fmt::format("scalp_mesh.triangles[{}]", t);
+      return InvalidArgument(
+          field, fmt::format("{} names vertex {}; the mesh has {}", field, v, vertices));
+    }
+  }
+  std::vector<bool> named(mesh.triangles.size(), false);
+  for (size_t i = 0; i < mesh.hair_triangles.size(); ++i) {
+    const uint32_t t = mesh.hair_triangles[i];
+    if (t < named.size() && !named[t]) {
+      named[t] = true;
+      continue;
+    }
+    const std::string field = fmt::format("scalp_mesh.hair_triangles[{}]", i);
+    return InvalidArgument(
+        field, t < named.size() ? fmt::format("{} names triangle {} a second time", field, t)
+                                : fmt::format("{} names triangle {}; the mesh has {}", field, t,
+                                              named.size()));
+  }
+  return {};
+}
+
+Result<void> CheckArea(const std::string& field, const Scalp& scalp) {
+  const double area = HairArea(scalp);
+  if (area >= kMinHairArea) return {};
+  return InvalidArgument(field, fmt::format("{} leaves a hair region of {} m^2; it must have {} m^2",
+                                            field, area, kMinHairArea));
+}
+
+Result<void> ValidateMesh(const Scalp& scalp, const Limits& limits) {
+  const TriangleMesh& mesh = std::get<TriangleMesh>(scalp);
+  if (std::ssize(mesh.vertices) > limits.max_vertices) {
+    return TooMany("scalp_mesh.vertices", "vertices", std::ssize(mesh.vertices),
+                   limits.max_vertices);
+  }
+  if (std::ssize(mesh.triangles) > limits.max_triangles) {
+    return TooMany("scalp_mesh.triangles", "triangles", std::ssize(mesh.triangles),
+                   limits.max_triangles);
+  }
+  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+    const Vector3d vertex = mesh.vertices[i].cast<double>();
+    if ((vertex.array().abs() <= kCoordinateRange.high).all()) continue;  // False for NaN.
+    return CheckVector(fmt::format("scalp_mesh.vertices[{}]", i), vertex, kCoordinateRange);
+  }
+  if (mesh.triangles.empty()) {
+    return InvalidArgument("scalp_mesh.triangles",
+                           "scalp_mesh.triangles is empty; a scalp needs at least one triangle");
+  }
+  if (auto indices = CheckIndices(mesh); !indices) return indices;
+  return CheckArea(mesh.hair_triangles.empty() ? "scalp_mesh.triangles" : "scalp_mesh.hair_triangles",
+                   scalp);
+}
+
+Result<void> ValidateEllipsoid(const Scalp& scalp) {
+  const std::string path = "header.ellipsoid.";
+  const Ellipsoid& ellipsoid = std::get<Ellipsoid>(scalp);
+  if (auto center = CheckVector(path + "center", ellipsoid.center, kCoordinateRange); !center) {
+    return center;
+  }
+  if (auto radii = CheckVector(path + "radii_m", ellipsoid.radii, {1e-3, 10, "m"}); !radii) {
+    return radii;
+  }
+  const double axis_length = ellipsoid.cap_axis.norm();
+  if (!(axis_length >= 1e-6 && axis_length <= 1e6)) {
+    return InvalidArgument(path + "cap_axis",
+                           fmt::format("{}cap_axis is ({}, {}, {}) of length {}; the length must "
+                                       "lie in [1e-06, 1e+06]",
+                                       path, ellipsoid.cap_axis.x(), ellipsoid.cap_axis.y(),
+                                       ellipsoid.cap_axis.z(), axis_length));
+  }
+  const Range angle_range{0, std::numbers::pi, "rad", true};
+  if (!angle_range.Contains(ellipsoid.cap_angle)) {
+    return OutOfRange(path + "cap_angle", ellipsoid.cap_angle, angle_range);
+  }
+  return CheckArea(path + "cap_angle", scalp);
+}
+
+}  // namespace
+
+Result<Guide> MakeGuide(const GuideDescription& d, int index) {
+  const std::string path = fmt::format("guides[{}].", index);
+  Guide guide;
+  guide.root.p = d.root_position;
+  if (auto root = CheckVector(path + "root_position", d.root_position, kCoordinateRange); !root) {
+    return root.error();
+  }
+  auto q = UnitQuaternion(path + "root_frame", d.root_frame);
+  if (!q) return q.error();
+  guide.root.q = *q;
+
+  auto lengths = ElementLengths(path, d);
+  if (!lengths) return lengths.error();
+  if (auto scalars = CheckScalars(path, d); !scalars) return scalars.error();
+
+  rod::Strand& strand = guide.strand;
+  strand.length = *std::move(lengths);
+  strand.natural.assign(strand.length.size(), Vector3d::Zero());
+  const struct {
+    const char* name;
+    const std::vector<double>& values;
+  } naturals[] = {{"natural_twist", d.natural_twist},
+                  {"natural_curvature_1", d.natural_curvature_1},
+                  {"natural_curvature_2", d.natural_curvature_2}};
+  for (int k = 0; k < 3; ++k) {
+    auto read = ReadNatural(path + naturals[k].name, naturals[k].values, k, &strand.natural);
+    if (!read) return read.error();
+  }
+
+  guide.section = {d.radius_1_m, d.radius_2_m};
+  guide.material = {d.young_modulus_pa, d.poisson_ratio, d.density_kg_m3};
+  strand.stiffness = rod::Stiffness(guide.section, guide.material);
+  strand.linear_density = rod::LinearDensity(guide.section, guide.material);
+  strand.internal_friction = d.internal_friction;
+  strand.air_drag = d.air_drag;
+  return guide;
+}
+
+GuideDescription Describe(const Guide& guide) {
+  const rod::Strand& strand = guide.strand;
+  GuideDescription d;
+  d.root_position = guide.root.p;
+  d.root_frame = guide.root.q;
+  d.element_count = static_cast<uint32_t>(strand.elements());
+  // One length says it where dividing it gives the elements' lengths again; else they are listed.
+  const double first = strand.length[0];
+  d.length_m = first * strand.elements();
+  const bool equal = std::ranges::all_of(strand.length, [&](double l) { return l == first; });
+  if (!equal || d.length_m / d.element_count != first) {
+    d.element_lengths_m = strand.length;
+    d.length_m = strand.TotalLength();
+  }
+  d.radius_1_m = guide.section.radius_1;
+  d.radius_2_m = guide.section.radius_2;
+  d.young_modulus_pa = guide.material.young_modulus;
+  d.poisson_ratio = guide.material.poisson_ratio;
+  d.density_kg_m3 = guide.material.density;
+  d.internal_friction = strand.internal_friction;
+  d.air_drag = strand.air_drag;
+  d.natural_twist = DescribeNatural(strand.natural, 0);
+  d.natural_curvature_1 = DescribeNatural(strand.natural, 1);
+  d.natural_curvature_2 = DescribeNatural(strand.natural, 2);
+  return d;
+}
+
+Result<void> ValidateScalp(const Scalp& scalp, const Limits& limits) {
+  if (std::holds_alternative<TriangleMesh>(scalp)) return ValidateMesh(scalp, limits);
+  if (std::holds_alternative<Ellipsoid>(scalp)) return ValidateEllipsoid(scalp);
+  return {};
+}
+
+}  // namespace mane::groom

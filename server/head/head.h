@@ -1,0 +1,55 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include <vector>
+
+#include "exec/worker_pool.h"
+#include "groom/groom.h"
+#include "math/rigid.h"
+#include "rod/step.h"
+
+namespace mane::head {
+
+/// What surrounds a head: gravity, wind and factors on the guides' damping.
+using Environment = rod::Surroundings;
+
+/// Every mutable number of one animated head. One owner at a time; copy it to keep a checkpoint.
+struct HeadState {
+  math::Pose pose;                        ///< head -> world: where the roots are clamped.
+  std::vector<Eigen::Vector3d> theta;     ///< Element angles [rad], (elements of all guides).
+  std::vector<Eigen::Vector3d> rate;      ///< Their rates over the last step [rad/s], same shape.
+  std::vector<Eigen::Vector3d> velocity;  ///< At Gauss points, world [m/s], (elements x kGaussPoints).
+};
+
+/// The groom's rest shape on a head at `pose`, standing still.
+[[nodiscard]] HeadState AtRest(const groom::Groom& groom, const math::Pose& pose);
+
+/// Puts the hair to its rest shape, standing still; the pose stays.
+void Reset(const groom::Groom& groom, HeadState* state);
+
+/// Moves head and hair together as one rigid body: shapes stay, velocities turn along.
+void Teleport(const math::Pose& pose, HeadState* state);
+
+/// No time step is longer than this [s].
+inline constexpr double kLongestStep = 0.1;
+
+/// One movement of the head: to `target` within `duration` [s] > 0 at constant velocity, in
+/// `substeps` >= 1 equal time steps; more of them where they would be longer than kLongestStep.
+struct Movement {
+  math::Pose target;
+  double duration;
+  int substeps;
+};
+
+/// What a step reports besides the state.
+struct StepReport {
+  int repaired_guides = 0;  ///< Guides that became non-finite and were put to rest; 0 unless at fault.
+};
+
+/// Advances all guides along `movement`. A pure function of its arguments: the pool decides only who
+/// computes, so results are the same bits for any number of workers.
+StepReport Advance(const groom::Groom& groom, const Movement& movement,
+                   const Environment& environment, HeadState* state, exec::WorkerPool& pool);
+
+}  // namespace mane::head

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <array>
+
+namespace mane::math {
+
+/// Stumpff functions c_n(z) = sum_k (-z)^k / (n + 2k)!, n = 0..6: entire functions that hold what a
+/// helix needs without a case for zero angle. With z = x^2: c0 = cos x, c1 = sin x / x,
+/// c2 = (1 - cos x) / x^2, and c_n = 1/n! - z c_{n+2}.
+using Stumpff = std::array<double, 7>;
+
+/// All c_n at `z` >= 0, each to a few ulp. No allocation.
+[[nodiscard]] Stumpff StumpffC(double z);
+
+/// Twice the derivative, 2 dc_n/dz = n c_{n+2} - c_{n+1}, for n <= 4.
+[[nodiscard]] inline double TwiceDerivative(const Stumpff& c, int n) {
+  return n * c[n + 2] - c[n + 1];
+}
+
+}  // namespace mane::math

@@ -1,0 +1,72 @@
+#include "rod/chain.h"
+
+#include <algorithm>
+
+#include "base/check.h"
+#include "math/quadrature.h"
+
+namespace mane::rod {
+
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+
+std::vector<ElementFrame> ElementFrames(const Strand& strand, const math::Pose& clamp,
+                                        std::span<const Vector3d> theta) {
+  const int N = strand.elements();
+  MANE_CHECK(static_cast<int>(theta.size()) == N);
+  std::vector<ElementFrame> frames(N + 1);
+  frames[0] = {clamp.q.toRotationMatrix(), clamp.p};
+  for (int Q = 0; Q < N; ++Q) {
+    const ElementEnd end = EndOfElement(theta[Q]);
+    frames[Q + 1].r = frames[Q].r + strand.length[Q] * (frames[Q].R * end.p);
+    frames[Q + 1].R = frames[Q].R * end.E;
+  }
+  return frames;
+}
+
+ArcPosition Locate(const Strand& strand, double s) {
+  const int N = strand.elements();
+  for (int Q = 0; Q < N; ++Q) {
+    if (s <= strand.length[Q] || Q == N - 1) {
+      return {Q, std::clamp(s / strand.length[Q], 0.0, 1.0)};
+    }
+    s -= strand.length[Q];
+  }
+  return {0, 0};
+}
+
+PointKinematics PointAt(const Strand& strand, const math::Pose& clamp,
+                        std::span<const Vector3d> theta, ArcPosition where) {
+  const std::vector<ElementFrame> frames = ElementFrames(strand, clamp, theta);
+  const int P = where.element;
+  const ElementPoint own = PointOnElement(theta[P], where.fraction);
+  const double l = strand.length[P];
+  PointKinematics point{frames[P].r + l * (frames[P].R * own.p),
+                        MatrixXd::Zero(3, 3 * strand.elements())};
+  point.J.middleCols<3>(3 * P) = l * frames[P].R * own.J;
+  // An earlier element moves the rest of the strand rigidly with its right end.
+  for (int Q = 0; Q < P; ++Q) {
+    const ElementEnd end = EndOfElement(theta[Q]);
+    const Matrix3d& R = frames[Q].R;
+    const Vector3d arm = point.r - frames[Q + 1].r;
+    point.J.middleCols<3>(3 * Q) = strand.length[Q] * R * end.J - math::Cross(arm) * R * end.T;
+  }
+  return point;
+}
+
+MatrixXd MassMatrix(const Strand& strand, const math::Pose& clamp, std::span<const Vector3d> theta,
+                    int points) {
+  const int N = strand.elements();
+  const math::Quadrature rule = math::GaussLegendre(points);
+  MatrixXd M = MatrixXd::Zero(3 * N, 3 * N);
+  for (int Q = 0; Q < N; ++Q) {
+    for (int g = 0; g < points; ++g) {
+      const MatrixXd J = PointAt(strand, clamp, theta, {Q, rule.nodes[g]}).J;
+      M += strand.linear_density * strand.length[Q] * rule.weights[g] * J.transpose() * J;
+    }
+  }
+  return M;
+}
+
+}  // namespace mane::rod

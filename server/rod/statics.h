@@ -1,0 +1,30 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include <span>
+
+#include "math/rigid.h"
+#include "rod/strand.h"
+
+namespace mane::rod {
+
+/// How a search for equilibrium ended.
+struct StaticsReport {
+  /// Largest |dE/dtheta| over the largest moment that gravity can exert, rho S |g| L^2 / 2, or over
+  /// the elastic moment where that is larger; at most 1e-9 where `converged`.
+  double residual = 0;
+  int iterations = 0;
+  bool converged = false;
+};
+
+/// Static equilibrium: the local minimum of U(theta) - int rho S g.r ds that energy descent reaches
+/// from the given angles (heavy and upward hair has several; see rod.md, Statics).
+///
+/// @param clamp    root frame; only its rotation matters.
+/// @param gravity  [m/s^2], in the frame of `clamp`'s parent.
+/// @param theta    in: where to start, such as the natural shape; out: the equilibrium [rad], (N).
+StaticsReport SolveRestShape(const Strand& strand, const math::Pose& clamp,
+                             const Eigen::Vector3d& gravity, std::span<Eigen::Vector3d> theta);
+
+}  // namespace mane::rod

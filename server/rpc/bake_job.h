@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "head/frame.h"
+#include "jobs/job_context.h"
+#include "mane/v1/bake.pb.h"
+#include "rpc/groom_library.h"
+#include "session/command.h"
+
+namespace mane::rpc {
+
+/// A bake, decoded and checked.
+struct Bake {
+  std::vector<session::PoseCommand> motion;
+  head::View view;
+  head::Environment environment;
+  int substeps = 1;
+};
+
+/// kInvalidArgument names the field. The groom is not looked up.
+Result<Bake> ToBake(const v1::BakeAnimationRequest& request);
+
+/// Runs the bake in `context`'s spec, a serialised BakeAnimationRequest: the same frames as a
+/// LOCKSTEP stream of the same poses. Each result chunk is a serialised BakeChunk.
+Result<void> RunBake(GroomLibrary& grooms, exec::WorkerPool& pool, jobs::JobContext& context);
+
+}  // namespace mane::rpc

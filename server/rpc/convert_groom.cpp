@@ -1,0 +1,161 @@
+#include "rpc/convert_groom.h"
+
+#include <cstring>
+#include <vector>
+
+namespace mane::rpc {
+namespace {
+
+using google::protobuf::RepeatedField;
+
+std::vector<double> ToList(const RepeatedField<double>& values) {
+  return {values.begin(), values.end()};
+}
+
+void FromList(const std::vector<double>& values, RepeatedField<double>* message) {
+  message->Assign(values.begin(), values.end());
+}
+
+void FromVector(const Eigen::Vector3d& v, v1::Vector3* message) {
+  message->set_x(v.x());
+  message->set_y(v.y());
+  message->set_z(v.z());
+}
+
+Eigen::Vector3d ToVector(const v1::Vector3& message) {
+  return {message.x(), message.y(), message.z()};
+}
+
+// Appends little-endian numbers (this program runs on little-endian machines only; see wire).
+template <typename Entry>
+Result<void> AppendBytes(const std::string& bytes, const std::string& field,
+                         std::vector<Entry>* entries) {
+  if (bytes.size() % sizeof(Entry) != 0) {
+    return InvalidArgument(field, fmt::format("{} has {} bytes; it must be a multiple of {}", field,
+                                              bytes.size(), sizeof(Entry)));
+  }
+  const size_t before = entries->size();
+  entries->resize(before + bytes.size() / sizeof(Entry));
+  std::memcpy(static_cast<void*>(entries->data() + before), bytes.data(), bytes.size());
+  return {};
+}
+
+template <typename Entry>
+void FromEntries(const std::vector<Entry>& entries, std::string* bytes) {
+  bytes->assign(reinterpret_cast<const char*>(entries.data()), entries.size() * sizeof(Entry));
+}
+
+}  // namespace
+
+groom::GuideDescription ToDescription(const v1::Guide& message) {
+  groom::GuideDescription guide;
+  guide.root_position = ToVector(message.root_position());
+  if (message.has_root_frame()) {
+    const v1::Quaternion& q = message.root_frame();
+    guide.root_frame = Eigen::Quaterniond(q.w(), q.x(), q.y(), q.z());
+  }
+  guide.length_m = message.length_m();
+  guide.element_count = message.element_count();
+  guide.element_lengths_m = ToList(message.element_lengths_m());
+  guide.radius_1_m = message.radius_1_m();
+  guide.radius_2_m = message.radius_2_m();
+  guide.young_modulus_pa = message.young_modulus_pa();
+  guide.poisson_ratio = message.poisson_ratio();
+  guide.density_kg_m3 = message.density_kg_m3();
+  guide.internal_friction = message.internal_friction();
+  guide.air_drag = message.air_drag();
+  guide.natural_twist = ToList(message.natural_twist());
+  guide.natural_curvature_1 = ToList(message.natural_curvature_1());
+  guide.natural_curvature_2 = ToList(message.natural_curvature_2());
+  return guide;
+}
+
+void FromDescription(const groom::GuideDescription& guide, v1::Guide* message) {
+  FromVector(guide.root_position, message->mutable_root_position());
+  v1::Quaternion* q = message->mutable_root_frame();
+  q->set_x(guide.root_frame.x());
+  q->set_y(guide.root_frame.y());
+  q->set_z(guide.root_frame.z());
+  q->set_w(guide.root_frame.w());
+  message->set_length_m(guide.length_m);
+  message->set_element_count(guide.element_count);
+  FromList(guide.element_lengths_m, message->mutable_element_lengths_m());
+  message->set_radius_1_m(guide.radius_1_m);
+  message->set_radius_2_m(guide.radius_2_m);
+  message->set_young_modulus_pa(guide.young_modulus_pa);
+  message->set_poisson_ratio(guide.poisson_ratio);
+  message->set_density_kg_m3(guide.density_kg_m3);
+  message->set_internal_friction(guide.internal_friction);
+  message->set_air_drag(guide.air_drag);
+  FromList(guide.natural_twist, message->mutable_natural_twist());
+  FromList(guide.natural_curvature_1, message->mutable_natural_curvature_1());
+  FromList(guide.natural_curvature_2, message->mutable_natural_curvature_2());
+}
+
+Result<void> AppendMesh(const v1::TriangleMesh& message, groom::TriangleMesh* mesh) {
+  if (const auto ok = AppendBytes(message.vertices(), "scalp_mesh.vertices", &mesh->vertices);
+      !ok) {
+    return ok;
+  }
+  if (const auto ok = AppendBytes(message.triangles(), "scalp_mesh.triangles", &mesh->triangles);
+      !ok) {
+    return ok;
+  }
+  return AppendBytes(message.hair_triangles(), "scalp_mesh.hair_triangles", &mesh->hair_triangles);
+}
+
+void FromMesh(const groom::TriangleMesh& mesh, v1::TriangleMesh* message) {
+  FromEntries(mesh.vertices, message->mutable_vertices());
+  FromEntries(mesh.triangles, message->mutable_triangles());
+  FromEntries(mesh.hair_triangles, message->mutable_hair_triangles());
+}
+
+groom::Ellipsoid ToEllipsoid(const v1::EllipsoidScalp& message) {
+  groom::Ellipsoid ellipsoid;
+  ellipsoid.center = ToVector(message.center());
+  ellipsoid.radii = ToVector(message.radii_m());
+  if (message.has_cap_axis()) ellipsoid.cap_axis = ToVector(message.cap_axis());
+  if (message.cap_angle() != 0) ellipsoid.cap_angle = message.cap_angle();
+  return ellipsoid;
+}
+
+void FromEllipsoid(const groom::Ellipsoid& ellipsoid, v1::EllipsoidScalp* message) {
+  FromVector(ellipsoid.center, message->mutable_center());
+  FromVector(ellipsoid.radii, message->mutable_radii_m());
+  FromVector(ellipsoid.cap_axis, message->mutable_cap_axis());
+  message->set_cap_angle(ellipsoid.cap_angle);
+}
+
+Result<groom::Generation> ToGeneration(const v1::GuideGeneration& message) {
+  if (message.hair_type() <= v1::HAIR_TYPE_UNSPECIFIED ||
+      message.hair_type() > v1::HAIR_TYPE_AFRICAN_FUZZY) {
+    return InvalidArgument("header.generate.hair_type",
+                           fmt::format("header.generate.hair_type is {}; it must be one of the "
+                                       "HairType presets, 1 to 4",
+                                       static_cast<int>(message.hair_type())));
+  }
+  groom::Generation generation;
+  generation.hair_type = static_cast<groom::HairType>(message.hair_type());
+  generation.guide_count = message.guide_count();
+  generation.length_m = message.length_m();
+  generation.element_count = message.element_count();
+  generation.seed = message.seed();
+  if (message.has_curl_variation()) generation.curl_variation = message.curl_variation();
+  if (message.has_root_droop()) generation.root_droop = message.root_droop();
+  return generation;
+}
+
+void FromRecord(const storage::GroomRecord& record, v1::Groom* message) {
+  message->set_name("grooms/" + record.id);
+  message->set_display_name(record.display_name);
+  FromNanoseconds(record.create_time_ns, message->mutable_create_time());
+  message->set_guide_count(record.guide_count);
+  message->set_element_count(record.element_count);
+  message->set_longest_guide_m(record.longest_guide_m);
+  message->set_hair_type(static_cast<v1::HairType>(record.hair_type));
+  message->set_seed(record.seed);
+  message->set_etag(record.etag);
+  message->set_has_scalp(record.has_scalp);
+}
+
+}  // namespace mane::rpc

@@ -1,0 +1,126 @@
+#include "rpc/groom_library.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+
+#include "groom/digest.h"
+#include "rpc/convert_groom.h"
+#include "rpc/names.h"
+#include "stored.pb.h"
+
+namespace mane::rpc {
+namespace {
+
+int64_t NowNanoseconds() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+std::string EncodeContent(const groom::Groom& groom) {
+  StoredGroom stored;
+  for (const groom::Guide& guide : groom.guides) {
+    FromDescription(groom::Describe(guide), stored.add_guides());
+  }
+  if (const auto* mesh = std::get_if<groom::TriangleMesh>(&groom.scalp)) {
+    FromMesh(*mesh, stored.mutable_scalp_mesh());
+  } else if (const auto* ellipsoid = std::get_if<groom::Ellipsoid>(&groom.scalp)) {
+    FromEllipsoid(*ellipsoid, stored.mutable_ellipsoid());
+  }
+  return stored.SerializeAsString();
+}
+
+Error Damaged(const std::string& id) {
+  return {ErrorCode::kInternal, fmt::format("the stored content of grooms/{} is damaged", id), ""};
+}
+
+Result<groom::Parts> DecodeContent(const storage::GroomRecord& record,
+                                   const storage::GroomContent& content) {
+  StoredGroom stored;
+  if (!stored.ParseFromString(content.groom)) return Damaged(record.id);
+  groom::Parts parts;
+  parts.display_name = record.display_name;
+  parts.hair_type = static_cast<groom::HairType>(record.hair_type);
+  parts.seed = record.seed;
+  if (stored.has_scalp_mesh()) {
+    groom::TriangleMesh mesh;
+    if (!AppendMesh(stored.scalp_mesh(), &mesh)) return Damaged(record.id);
+    parts.scalp = std::move(mesh);
+  } else if (stored.has_ellipsoid()) {
+    parts.scalp = ToEllipsoid(stored.ellipsoid());
+  }
+  for (const v1::Guide& message : stored.guides()) {
+    auto guide = groom::MakeGuide(ToDescription(message), static_cast<int>(parts.guides.size()));
+    if (!guide) return Damaged(record.id);
+    parts.guides.push_back(*std::move(guide));
+  }
+  parts.rest_theta.resize(content.rest.size() / sizeof(Eigen::Vector3d));
+  std::memcpy(static_cast<void*>(parts.rest_theta.data()), content.rest.data(),
+              parts.rest_theta.size() * sizeof(Eigen::Vector3d));
+  return parts;
+}
+
+}  // namespace
+
+Result<storage::GroomRecord> GroomLibrary::Create(Draft draft) {
+  const auto groom = groom::Assemble(std::move(draft.parts), limits_, &pool_);
+  if (!groom) return groom.error();
+  const groom::Groom& g = **groom;
+  storage::GroomRecord record;
+  record.id = draft.id.empty() ? RandomId() : draft.id;
+  record.request_id = draft.request_id;
+  record.display_name = g.display_name;
+  record.hair_type = static_cast<int>(g.hair_type);
+  record.seed = g.seed;
+  record.guide_count = static_cast<uint32_t>(g.guide_count());
+  record.element_count = static_cast<uint32_t>(g.element_count());
+  for (const groom::Guide& guide : g.guides) {
+    record.longest_guide_m = std::max(record.longest_guide_m, guide.strand.TotalLength());
+  }
+  record.has_scalp = !std::holds_alternative<std::monostate>(g.scalp);
+  record.etag = groom::Digest(g);
+  record.create_time_ns = NowNanoseconds();
+  const auto* rest = reinterpret_cast<const char*>(g.rest_theta.data());
+  return store_.Put(record, {EncodeContent(g),
+                             std::string(rest, g.rest_theta.size() * sizeof(Eigen::Vector3d))});
+}
+
+Result<std::shared_ptr<const groom::Groom>> GroomLibrary::Load(const std::string& name,
+                                                               const std::string& field) {
+  const auto id = ParseName(name, "grooms", field);
+  if (!id) return id.error();
+  const auto record = store_.Get(*id);
+  if (!record) {
+    Error error = record.error();
+    if (error.code == ErrorCode::kNotFound) error.field = field;
+    return error;
+  }
+  const std::string key =
+      fmt::format("{} {} {}", record->id, record->etag, record->create_time_ns);
+  {
+    std::lock_guard lock(mutex_);
+    const auto kept = std::ranges::find(recent_, key, &decltype(recent_)::value_type::first);
+    if (kept != recent_.end()) {
+      recent_.splice(recent_.begin(), recent_, kept);
+      return recent_.front().second;
+    }
+  }
+  auto groom = Read(*record);
+  if (!groom) return groom;
+  std::lock_guard lock(mutex_);
+  recent_.emplace_front(key, *groom);
+  if (recent_.size() > kKept) recent_.pop_back();
+  return groom;
+}
+
+Result<std::shared_ptr<const groom::Groom>> GroomLibrary::Read(
+    const storage::GroomRecord& record) {
+  const auto content = store_.GetContent(record.id);
+  if (!content) return content.error();
+  auto parts = DecodeContent(record, *content);
+  if (!parts) return parts.error();
+  return groom::Assemble(*std::move(parts), limits_, &pool_);
+}
+
+}  // namespace mane::rpc

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <list>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+
+#include "base/result.h"
+#include "exec/worker_pool.h"
+#include "groom/assemble.h"
+#include "groom/limits.h"
+#include "storage/groom_store.h"
+
+namespace mane::rpc {
+
+/// Grooms between their bytes on disk and the shared values that heads animate. What was used last
+/// stays in memory, so that many heads on one groom share it and open at once.
+///
+/// A groom is always built from its stored bytes, so that its bits do not depend on whether it was
+/// just made or read after a restart.
+///
+/// Threads: any. `mutex_` is not held while a groom is read.
+class GroomLibrary {
+ public:
+  GroomLibrary(storage::GroomStore& store, exec::WorkerPool& pool, const groom::Limits& limits)
+      : store_(store), pool_(pool), limits_(limits) {}
+
+  [[nodiscard]] storage::GroomStore& store() { return store_; }
+  [[nodiscard]] const groom::Limits& limits() const { return limits_; }
+
+  /// What an upload leaves to be stored.
+  struct Draft {
+    std::string id;  ///< Empty to choose one.
+    std::string request_id;
+    groom::Parts parts;
+  };
+  /// Solves the rest shape and stores both; on disk when it returns.
+  Result<storage::GroomRecord> Create(Draft draft);
+
+  /// The groom called `name`; errors name `field`. kNotFound if there is none.
+  Result<std::shared_ptr<const groom::Groom>> Load(const std::string& name,
+                                                   const std::string& field);
+
+ private:
+  // Grooms kept beyond their last head; the most recent first.
+  static constexpr size_t kKept = 16;
+
+  Result<std::shared_ptr<const groom::Groom>> Read(const storage::GroomRecord& record);
+
+  storage::GroomStore& store_;
+  exec::WorkerPool& pool_;
+  const groom::Limits limits_;
+
+  std::mutex mutex_;
+  // By id and etag, so that a groom deleted and made anew under its old name is another one.
+  std::list<std::pair<std::string, std::shared_ptr<const groom::Groom>>> recent_;
+};
+
+}  // namespace mane::rpc

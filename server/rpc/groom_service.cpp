@@ -1,0 +1,206 @@
+#include "rpc/groom_service.h"
+
+#include <algorithm>
+#include <memory>
+#include <span>
+#include <utility>
+
+#include "rpc/chunk_stream.h"
+#include "rpc/convert_animation.h"
+#include "rpc/convert_groom.h"
+#include "rpc/groom_upload.h"
+#include "rpc/limits.h"
+#include "rpc/names.h"
+#include "rpc/raw.h"
+#include "rpc/rest_shape.h"
+#include "rpc/unary.h"
+
+namespace mane::rpc {
+namespace {
+
+constexpr int kDefaultPageSize = 100;
+
+// Reads an upload message by message. Owns itself until OnDone().
+class CreateGroomCall final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
+ public:
+  CreateGroomCall(GroomLibrary& library, exec::WorkerPool& requests, grpc::ByteBuffer* response)
+      : requests_(requests), upload_(library), response_(response) {
+    StartRead(&incoming_);
+  }
+
+  void OnReadDone(bool ok) override {
+    // Checking and solving are work for a worker; the next read starts when it is done.
+    requests_.Post([this, ok] {
+      try {
+        if (ok) {
+          Take();
+        } else {
+          Complete();
+        }
+      } catch (const std::exception& fault) {
+        Finish(ToStatus(Error{ErrorCode::kInternal, fault.what(), ""}));
+      }
+    });
+  }
+  void OnCancel() override { cancelled_ = true; }
+  void OnDone() override { delete this; }
+
+ private:
+  void Take() {
+    v1::CreateGroomRequest request;
+    Result<void> taken = Parse(&incoming_, &request);
+    if (taken) taken = upload_.Add(request);
+    if (!taken) return Finish(ToStatus(taken.error()));
+    StartRead(&incoming_);
+  }
+
+  void Complete() {
+    if (cancelled_) return Finish(grpc::Status::CANCELLED);
+    const auto record = upload_.Finish();
+    if (!record) return Finish(ToStatus(record.error()));
+    v1::Groom groom;
+    FromRecord(*record, &groom);
+    *response_ = Serialize(groom);
+    Finish(grpc::Status::OK);
+  }
+
+  exec::WorkerPool& requests_;
+  GroomUpload upload_;
+  grpc::ByteBuffer incoming_;
+  grpc::ByteBuffer* const response_;
+  std::atomic<bool> cancelled_ = false;
+};
+
+// The parts of an export: the description, the scalp, then guides.
+class ExportParts {
+ public:
+  ExportParts(GroomLibrary& library, std::string name)
+      : library_(library), name_(std::move(name)) {}
+
+  Result<std::optional<v1::ExportGroomResponse>> Next() {
+    v1::ExportGroomResponse part;
+    switch (stage_) {
+      case Stage::kDescription: return Describe();
+      case Stage::kEllipsoid:
+        stage_ = Stage::kGuides;
+        FromEllipsoid(std::get<groom::Ellipsoid>(groom_->scalp), part.mutable_ellipsoid());
+        return std::optional(part);
+      case Stage::kMesh: return MeshPiece();
+      case Stage::kGuides: break;
+    }
+    if (next_ == groom_->guides.size()) return std::optional<v1::ExportGroomResponse>();
+    const size_t end = std::min(groom_->guides.size(), next_ + kGuidesPerPart);
+    for (; next_ < end; ++next_) {
+      FromDescription(groom::Describe(groom_->guides[next_]), part.mutable_guides()->add_guides());
+    }
+    return std::optional(part);
+  }
+
+ private:
+  enum class Stage { kDescription, kEllipsoid, kMesh, kGuides };
+  static constexpr size_t kGuidesPerPart = 64;       // At most 256 elements each: under 500 kB.
+  static constexpr size_t kEntriesPerPart = 20'000;  // Vertices and triangles, 12 bytes each.
+
+  Result<std::optional<v1::ExportGroomResponse>> Describe() {
+    auto groom = library_.Load(name_, "name");
+    if (!groom) return groom.error();
+    groom_ = *std::move(groom);
+    const auto id = ParseName(name_, "grooms", "name");
+    const auto record = library_.store().Get(*id);
+    if (!record) return record.error();
+    stage_ = std::holds_alternative<groom::Ellipsoid>(groom_->scalp)      ? Stage::kEllipsoid
+             : std::holds_alternative<groom::TriangleMesh>(groom_->scalp) ? Stage::kMesh
+                                                                          : Stage::kGuides;
+    v1::ExportGroomResponse part;
+    FromRecord(*record, part.mutable_groom());
+    return std::optional(part);
+  }
+
+  Result<std::optional<v1::ExportGroomResponse>> MeshPiece() {
+    const auto& mesh = std::get<groom::TriangleMesh>(groom_->scalp);
+    const auto piece = [&](const auto& entries) {
+      const size_t begin = std::min(entries.size(), next_);
+      const size_t end = std::min(entries.size(), next_ + kEntriesPerPart);
+      return std::vector(entries.begin() + begin, entries.begin() + end);
+    };
+    v1::ExportGroomResponse part;
+    FromMesh({piece(mesh.vertices), piece(mesh.triangles), piece(mesh.hair_triangles)},
+             part.mutable_scalp_mesh());
+    next_ += kEntriesPerPart;
+    if (next_ >= std::max({mesh.vertices.size(), mesh.triangles.size(),
+                           mesh.hair_triangles.size()})) {
+      stage_ = Stage::kGuides;
+      next_ = 0;
+    }
+    return std::optional(part);
+  }
+
+  GroomLibrary& library_;
+  const std::string name_;
+  std::shared_ptr<const groom::Groom> groom_;
+  Stage stage_ = Stage::kDescription;
+  size_t next_ = 0;  // Entry or guide.
+};
+
+}  // namespace
+
+grpc::ServerReadReactor<grpc::ByteBuffer>* GroomService::CreateGroom(
+    grpc::CallbackServerContext* /*context*/, grpc::ByteBuffer* response) {
+  return new CreateGroomCall(library_, requests_, response);
+}
+
+grpc::ServerUnaryReactor* GroomService::GetGroom(grpc::CallbackServerContext* context,
+                                                 const v1::GetGroomRequest* request,
+                                                 v1::Groom* response) {
+  return Answer(context, requests_, [this, request, response]() -> Result<void> {
+    const auto id = ParseName(request->name(), "grooms", "name");
+    if (!id) return id.error();
+    const auto record = library_.store().Get(*id);
+    if (!record) return record.error();
+    FromRecord(*record, response);
+    return {};
+  });
+}
+
+grpc::ServerUnaryReactor* GroomService::ListGrooms(grpc::CallbackServerContext* context,
+                                                   const v1::ListGroomsRequest* request,
+                                                   v1::ListGroomsResponse* response) {
+  return Answer(context, requests_, [this, request, response]() -> Result<void> {
+    const int size = request->page_size() == 0 ? kDefaultPageSize : request->page_size();
+    auto page = library_.store().List(size, request->page_token());
+    if (!page) return page.error();
+    for (const storage::GroomRecord& record : page->records) {
+      FromRecord(record, response->add_grooms());
+    }
+    response->set_next_page_token(page->next_page_token);
+    return {};
+  });
+}
+
+grpc::ServerUnaryReactor* GroomService::DeleteGroom(grpc::CallbackServerContext* context,
+                                                    const v1::DeleteGroomRequest* request,
+                                                    google::protobuf::Empty* /*response*/) {
+  return Answer(context, requests_, [this, request]() -> Result<void> {
+    const auto id = ParseName(request->name(), "grooms", "name");
+    if (!id) return id.error();
+    return library_.store().Delete(*id);
+  });
+}
+
+grpc::ServerWriteReactor<v1::ExportGroomResponse>* GroomService::ExportGroom(
+    grpc::CallbackServerContext* /*context*/, const v1::ExportGroomRequest* request) {
+  auto parts = std::make_shared<ExportParts>(library_, request->name());
+  return ChunkStream<v1::ExportGroomResponse>::Start(requests_, [parts] { return parts->Next(); });
+}
+
+grpc::ServerUnaryReactor* GroomService::ComputeRestShape(
+    grpc::CallbackServerContext* context, const v1::ComputeRestShapeRequest* request,
+    v1::ComputeRestShapeResponse* response) {
+  return Answer(context, requests_, [this, request, response]() -> Result<void> {
+    const auto groom = library_.Load(request->name(), "name");
+    if (!groom) return groom.error();
+    return ComputeRest(**groom, *request, requests_, response);
+  });
+}
+
+}  // namespace mane::rpc

@@ -1,0 +1,109 @@
+#include "rpc/groom_upload.h"
+
+#include <utility>
+
+#include "groom/generate.h"
+#include "groom/range.h"
+#include "rpc/convert_groom.h"
+#include "rpc/names.h"
+
+namespace mane::rpc {
+namespace {
+
+constexpr size_t kMaxDisplayName = 200;
+constexpr size_t kMaxRequestId = 64;
+
+}  // namespace
+
+Result<void> GroomUpload::Add(const v1::CreateGroomRequest& request) {
+  const bool is_header = request.part_case() == v1::CreateGroomRequest::kHeader;
+  if (is_header == has_header_) {
+    return InvalidArgument("header", has_header_ ? "header was sent twice"
+                                                 : "the first message must be header");
+  }
+  switch (request.part_case()) {
+    case v1::CreateGroomRequest::kHeader: return AddHeader(request.header());
+    case v1::CreateGroomRequest::kGuides: return AddGuides(request.guides());
+    case v1::CreateGroomRequest::kScalpMesh: return AddMesh(request.scalp_mesh());
+    case v1::CreateGroomRequest::PART_NOT_SET: break;
+  }
+  return InvalidArgument("part", "the message holds neither header, guides nor scalp_mesh");
+}
+
+Result<void> GroomUpload::AddHeader(const v1::CreateGroomHeader& header) {
+  has_header_ = true;
+  header_ = header;
+  if (!header.groom_id().empty()) {
+    if (const auto ok = CheckId(header.groom_id(), "header.groom_id"); !ok) return ok;
+  }
+  if (const auto ok = CheckText(header.display_name(), kMaxDisplayName, "header.display_name");
+      !ok) {
+    return ok;
+  }
+  return CheckText(header.request_id(), kMaxRequestId, "header.request_id");
+}
+
+Result<void> GroomUpload::AddGuides(const v1::GuideBatch& batch) {
+  if (header_.has_generate()) {
+    return InvalidArgument("guides", "guides were sent although header.generate makes them");
+  }
+  const size_t limit = static_cast<size_t>(library_.limits().max_guides);
+  for (const v1::Guide& message : batch.guides()) {
+    if (guides_.size() == limit) {
+      return groom::TooMany("guides", "guides", static_cast<long>(limit) + 1,
+                            static_cast<long>(limit));
+    }
+    auto guide = groom::MakeGuide(ToDescription(message), static_cast<int>(guides_.size()));
+    if (!guide) return guide.error();
+    guides_.push_back(*std::move(guide));
+  }
+  return {};
+}
+
+Result<void> GroomUpload::AddMesh(const v1::TriangleMesh& piece) {
+  if (header_.has_ellipsoid()) {
+    return InvalidArgument("scalp_mesh", "a scalp_mesh was sent although header.ellipsoid is set");
+  }
+  if (const auto ok = AppendMesh(piece, &mesh_); !ok) return ok;
+  const groom::Limits& limits = library_.limits();
+  if (mesh_.vertices.size() > static_cast<size_t>(limits.max_vertices)) {
+    return groom::TooMany("scalp_mesh.vertices", "vertices",
+                          static_cast<long>(mesh_.vertices.size()), limits.max_vertices);
+  }
+  const size_t triangles = std::max(mesh_.triangles.size(), mesh_.hair_triangles.size());
+  if (triangles > static_cast<size_t>(limits.max_triangles)) {
+    return groom::TooMany("scalp_mesh.triangles", "triangles", static_cast<long>(triangles),
+                          limits.max_triangles);
+  }
+  return {};
+}
+
+Result<storage::GroomRecord> GroomUpload::Finish() {
+  if (!has_header_) return InvalidArgument("header", "the first message must be header");
+  if (!header_.request_id().empty()) {
+    const auto earlier = library_.store().FindByRequestId(header_.request_id());
+    if (!earlier) return earlier.error();
+    if (earlier->has_value()) return **earlier;
+  }
+  GroomLibrary::Draft draft{header_.groom_id(), header_.request_id(), {}};
+  draft.parts.display_name = header_.display_name();
+  if (header_.has_ellipsoid()) {
+    draft.parts.scalp = ToEllipsoid(header_.ellipsoid());
+  } else if (!mesh_.vertices.empty() || !mesh_.triangles.empty()) {
+    draft.parts.scalp = std::move(mesh_);
+  }
+  if (header_.has_generate()) {
+    const auto generation = ToGeneration(header_.generate());
+    if (!generation) return generation.error();
+    auto guides = groom::Generate(draft.parts.scalp, *generation, library_.limits());
+    if (!guides) return guides.error();
+    draft.parts.hair_type = generation->hair_type;
+    draft.parts.seed = generation->seed;
+    draft.parts.guides = *std::move(guides);
+  } else {
+    draft.parts.guides = std::move(guides_);
+  }
+  return library_.Create(std::move(draft));
+}
+
+}  // namespace mane::rpc

@@ -1,0 +1,52 @@
+#include "rpc/names.h"
+
+#include <sys/random.h>
+
+#include <algorithm>
+
+#include "base/check.h"
+
+namespace mane::rpc {
+namespace {
+
+constexpr size_t kMaxId = 63;
+
+bool IsAlphanumeric(char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9'); }
+
+}  // namespace
+
+Result<void> CheckId(const std::string& id, const std::string& field) {
+  const bool valid = !id.empty() && id.size() <= kMaxId && IsAlphanumeric(id.front()) &&
+                     IsAlphanumeric(id.back()) && std::ranges::all_of(id, [](char c) {
+                       return IsAlphanumeric(c) || c == '-';
+                     });
+  if (valid) return {};
+  return InvalidArgument(field, fmt::format("{} is \"{}\"; it must be 1 to {} of a-z, 0-9 and -, "
+                                            "and begin and end with a letter or digit",
+                                            field, id.substr(0, 2 * kMaxId), kMaxId));
+}
+
+Result<std::string> ParseName(const std::string& name, std::string_view collection,
+                              const std::string& field) {
+  const std::string prefix = std::string(collection) + "/";
+  if (name.starts_with(prefix)) {
+    const std::string id = name.substr(prefix.size());
+    if (CheckId(id, field)) return id;
+  }
+  return InvalidArgument(field, fmt::format("{} is \"{}\"; it must be a name of the form {}{{id}}",
+                                            field, name.substr(0, 2 * kMaxId), prefix));
+}
+
+std::string RandomId() {
+  uint64_t bits = 0;
+  MANE_CHECK(getrandom(&bits, sizeof bits, 0) == sizeof bits);
+  return fmt::format("{:016x}", bits);
+}
+
+Result<void> CheckText(const std::string& text, size_t max_bytes, const std::string& field) {
+  if (text.size() <= max_bytes) return {};
+  return InvalidArgument(field, fmt::format("{} has {} bytes; at most {} are allowed", field,
+                                            text.size(), max_bytes));
+}
+
+}  // namespace mane::rpc

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include <optional>
+#include <variant>
+
+#include "head/frame.h"
+#include "head/head.h"
+#include "math/rigid.h"
+
+namespace mane::session {
+
+/// How simulated time passes; see proto/mane/v1/animation.proto Pacing.
+enum class Pacing { kRealtime, kLockstep };
+
+/// What a client chooses when it opens a head. Ranges are those of the proto's OpenHead.
+struct HeadOptions {
+  Pacing pacing = Pacing::kRealtime;
+  head::View view;
+  double rate_hz = 60;      ///< Real time only.
+  int substeps = 1;         ///< Time steps per frame.
+  double pose_delay = 0;    ///< [s], real time only.
+  int max_unacked = 3;      ///< Frames under way, real time only.
+  math::Pose initial_pose;  ///< Before the first pose.
+  head::Environment environment;
+};
+
+/// A timed pose, head -> world; `teleport` moves head and hair without dynamics.
+struct PoseCommand {
+  double time;  ///< Client's clock [s].
+  math::Pose pose;
+  bool teleport = false;
+};
+
+/// Hair to its rest shape, standing still.
+struct ResetCommand {};
+
+/// Changes to what surrounds the hair; what is empty stays.
+struct EnvironmentCommand {
+  std::optional<Eigen::Vector3d> wind;
+  std::optional<Eigen::Vector3d> gravity;
+  std::optional<double> internal_friction_scale;
+  std::optional<double> air_drag_scale;
+};
+
+inline void Apply(const EnvironmentCommand& change, head::Environment* environment) {
+  environment->wind = change.wind.value_or(environment->wind);
+  environment->gravity = change.gravity.value_or(environment->gravity);
+  environment->internal_friction_scale =
+      change.internal_friction_scale.value_or(environment->internal_friction_scale);
+  environment->air_drag_scale = change.air_drag_scale.value_or(environment->air_drag_scale);
+}
+
+using Command = std::variant<PoseCommand, ResetCommand, EnvironmentCommand>;
+
+}  // namespace mane::session

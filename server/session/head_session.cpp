@@ -1,0 +1,278 @@
+#include "session/head_session.h"
+
+#include <algorithm>
+#include <exception>
+#include <utility>
+
+#include "base/clock.h"
+
+namespace mane::session {
+namespace {
+
+// A real-time head that stood still longer than this (its client was away) goes on from where its
+// head is now, rather than moving there in one frame [s].
+constexpr double kLongestGap = 0.5;
+// Lockstep: longest time between poses [s].
+constexpr double kLongestPoseGap = 1;
+// Least time between two notices of a kind [s].
+constexpr double kNoticePeriod = 1;
+
+}  // namespace
+
+HeadSession::HeadSession(std::string name, std::shared_ptr<const groom::Groom> groom,
+                         const HeadOptions& options, exec::WorkerPool& pool)
+    : name_(std::move(name)),
+      groom_(std::move(groom)),
+      options_(options),
+      pool_(pool),
+      state_(head::AtRest(*groom_, options.initial_pose)),
+      environment_(options.environment),
+      mailbox_(options.pacing == Pacing::kRealtime ? Mailbox::Newest(options.max_unacked)
+                                                   : Mailbox::Ordered()) {}
+
+Result<void> HeadSession::Submit(const Command& command) {
+  const bool lockstep = options_.pacing == Pacing::kLockstep;
+  {
+    std::lock_guard lock(mutex_);
+    if (ended_) return Error{ErrorCode::kInternal, "the head has ended", ""};
+    if (const auto* pose = std::get_if<PoseCommand>(&command)) {
+      if (newest_time_ && pose->time <= *newest_time_) {
+        return InvalidArgument(
+            "pose.time_s", fmt::format("pose.time_s is {}; it must be above the last one, {}",
+                                       pose->time, *newest_time_));
+      }
+      if (lockstep && newest_time_ && !pose->teleport &&
+          pose->time - *newest_time_ > kLongestPoseGap) {
+        return InvalidArgument(
+            "pose.time_s",
+            fmt::format("pose.time_s is {}, {} s after the last one; it must be at most {} s "
+                        "(send a teleport to leave time out)",
+                        pose->time, pose->time - *newest_time_, kLongestPoseGap));
+      }
+      newest_time_ = pose->time;
+      if (!lockstep) {
+        if (pose->teleport) motion_.Clear();
+        motion_.Add(pose->time, pose->pose, base::SteadySeconds());
+      }
+    }
+    if (lockstep || !std::holds_alternative<PoseCommand>(command) ||
+        std::get<PoseCommand>(command).teleport) {
+      commands_.push_back(command);
+    }
+    if (!lockstep || running_) return {};
+    running_ = true;
+  }
+  Start([this] { RunQueue(); });
+  return {};
+}
+
+Result<void> HeadSession::Acknowledge(uint64_t index) {
+  if (options_.pacing == Pacing::kLockstep) return {};
+  std::lock_guard lock(mutex_);
+  return mailbox_.Acknowledge(index);
+}
+
+OutgoingFrame HeadSession::TakeFrame() {
+  std::lock_guard lock(mutex_);
+  return mailbox_.Take();
+}
+
+int HeadSession::Backlog() const {
+  std::lock_guard lock(mutex_);
+  return static_cast<int>(commands_.size()) + mailbox_.size() + (running_ ? 1 : 0);
+}
+
+uint64_t HeadSession::next_frame() const {
+  std::lock_guard lock(mutex_);
+  return next_frame_;
+}
+
+void HeadSession::Attach(FrameSink* sink) {
+  {
+    std::lock_guard lock(mutex_);
+    mailbox_.Reconnect();
+    told_no_poses_at_ = base::SteadySeconds();
+  }
+  std::lock_guard lock(sink_mutex_);
+  sink_ = sink;
+}
+
+void HeadSession::Detach(FrameSink* sink) {
+  std::lock_guard lock(sink_mutex_);
+  if (sink_ == sink) sink_ = nullptr;
+}
+
+void HeadSession::Displace() {
+  std::lock_guard lock(sink_mutex_);
+  if (FrameSink* sink = std::exchange(sink_, nullptr)) {
+    sink->OnEnd({ErrorCode::kCancelled, "another stream resumed this head", ""});
+  }
+}
+
+void HeadSession::End(const Error& error) {
+  {
+    std::lock_guard lock(mutex_);
+    ended_ = true;
+    commands_.clear();
+  }
+  std::lock_guard lock(sink_mutex_);
+  if (FrameSink* sink = std::exchange(sink_, nullptr)) sink->OnEnd(error);
+}
+
+void HeadSession::Notify(const Notice& notice) {
+  std::lock_guard lock(sink_mutex_);
+  if (sink_ != nullptr) sink_->OnNotice(notice);
+}
+
+template <typename Work>
+void HeadSession::Start(Work work) {
+  pool_.Post([self = shared_from_this(), work] {
+    try {
+      work();
+    } catch (const std::exception& fault) {
+      self->End({ErrorCode::kInternal, fmt::format("{}: {}", self->name_, fault.what()), ""});
+      return;  // `running_` stays set: nothing touches the state again.
+    }
+    std::lock_guard lock(self->sink_mutex_);
+    if (self->sink_ != nullptr) self->sink_->OnProgress();
+  });
+}
+
+void HeadSession::MoveTo(const math::Pose& target, double duration) {
+  const head::Movement movement{target, duration, options_.substeps};
+  repaired_ += head::Advance(*groom_, movement, environment_, &state_, pool_).repaired_guides;
+}
+
+std::shared_ptr<Frame> HeadSession::MakeFrame(double time, double newest_pose_time, double started) {
+  auto frame = std::make_shared<Frame>();
+  frame->time = time;
+  frame->pose = state_.pose;
+  frame->data = head::EncodeFrame(*groom_, state_, options_.view, pool_);
+  frame->newest_pose_time = newest_pose_time;
+  frame->repaired_guides = std::exchange(repaired_, 0);
+  frame->step_seconds = base::SteadySeconds() - started;
+  return frame;
+}
+
+// --- lockstep ---
+
+void HeadSession::RunQueue() {
+  while (true) {
+    Command command;
+    {
+      std::lock_guard lock(mutex_);
+      if (commands_.empty() || ended_) {
+        running_ = false;
+        return;
+      }
+      command = std::move(commands_.front());
+      commands_.pop_front();
+    }
+    if (std::holds_alternative<ResetCommand>(command)) {
+      head::Reset(*groom_, &state_);
+      continue;
+    }
+    if (const auto* change = std::get_if<EnvironmentCommand>(&command)) {
+      Apply(*change, &environment_);
+      continue;
+    }
+    const PoseCommand& pose = std::get<PoseCommand>(command);
+    const double started = base::SteadySeconds();
+    if (pose.teleport || !placed_) {
+      head::Teleport(pose.pose, &state_);
+      placed_ = true;
+    } else {
+      MoveTo(pose.pose, pose.time - last_pose_time_);
+    }
+    last_pose_time_ = pose.time;
+    auto frame = MakeFrame(pose.time, pose.time, started);
+    {
+      std::lock_guard lock(mutex_);
+      frame->index = next_frame_++;
+      mailbox_.Put(std::move(frame));
+    }
+    std::lock_guard lock(sink_mutex_);
+    if (sink_ != nullptr) sink_->OnProgress();
+  }
+}
+
+// --- real time ---
+
+void HeadSession::Tick(double due, int missed) {
+  const double now = base::SteadySeconds();
+  {
+    std::lock_guard lock(mutex_);
+    if (ended_) return;
+    late_ += missed;
+    if (running_) {
+      ++late_;
+      return;
+    }
+    running_ = true;
+  }
+  Start([this, due, now] { RunTick(due, now); });
+}
+
+std::optional<math::Pose> HeadSession::RealtimeTarget(double due, double* time,
+                                                      double* newest_pose_time) {
+  if (motion_.empty()) return std::nullopt;
+  // Never back, even when the estimate of the client's clock is corrected.
+  *time = std::max(shown_time_, motion_.ClientTime(due) - options_.pose_delay);
+  *newest_pose_time = motion_.newest_time();
+  return motion_.At(*time);
+}
+
+void HeadSession::RunTick(double due, double now) {
+  const double started = base::SteadySeconds();
+  std::deque<Command> commands;
+  std::optional<math::Pose> target;
+  double time = 0, newest_pose_time = 0;
+  {
+    std::lock_guard lock(mutex_);
+    commands.swap(commands_);
+    target = RealtimeTarget(due, &time, &newest_pose_time);
+  }
+  const double elapsed = last_due_ < 0 ? 0 : due - last_due_;
+  last_due_ = due;
+  bool jump = elapsed > kLongestGap || (target && !placed_);
+  for (const Command& command : commands) {
+    if (std::holds_alternative<ResetCommand>(command)) head::Reset(*groom_, &state_);
+    if (const auto* change = std::get_if<EnvironmentCommand>(&command)) Apply(*change, &environment_);
+    jump = jump || std::holds_alternative<PoseCommand>(command);
+  }
+  if (target) {
+    if (jump) head::Teleport(*target, &state_);
+    placed_ = true;
+  }
+  if (elapsed > 0 && !jump) MoveTo(target.value_or(state_.pose), elapsed);
+  shown_time_ = time;
+  auto frame = MakeFrame(time, newest_pose_time, started);
+  {
+    std::lock_guard lock(mutex_);
+    frame->index = next_frame_++;
+    mailbox_.Put(std::move(frame));
+    running_ = false;
+  }
+  NotifyLateness(now);
+}
+
+void HeadSession::NotifyLateness(double now) {
+  std::optional<Notice> late, no_poses;
+  {
+    std::lock_guard lock(mutex_);
+    if (late_ > 0 && now - told_late_at_ >= kNoticePeriod) {
+      late = Notice{Notice::Code::kLate, std::exchange(late_, 0)};
+      told_late_at_ = now;
+    }
+    const double silent_since =
+        motion_.empty() ? told_no_poses_at_ : std::max(told_no_poses_at_, motion_.newest_arrival());
+    if (now - silent_since > kNoticePeriod) {
+      no_poses = Notice{Notice::Code::kNoPoses, 0};
+      told_no_poses_at_ = now + 9 * kNoticePeriod;  // Once in ten seconds.
+    }
+  }
+  if (late) Notify(*late);
+  if (no_poses) Notify(*no_poses);
+}
+
+}  // namespace mane::session

@@ -1,0 +1,123 @@
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "exec/worker_pool.h"
+#include "groom/groom.h"
+#include "session/command.h"
+#include "session/frame.h"
+#include "session/mailbox.h"
+#include "session/motion_buffer.h"
+
+namespace mane::session {
+
+/// Something a client should know; see the proto's Notice.
+struct Notice {
+  enum class Code { kLate, kDraining, kNoPoses };
+  Code code;
+  uint64_t count = 0;
+};
+
+/// The stream that a head's frames go to. Called from workers and the scheduler, possibly at once;
+/// must not block, and must not call HeadSession::Detach.
+class FrameSink {
+ public:
+  virtual ~FrameSink() = default;
+  /// HeadSession::TakeFrame may have something, or there is room for more commands.
+  virtual void OnProgress() = 0;
+  virtual void OnNotice(const Notice& notice) = 0;
+  /// The head is gone (a fault of its own, or replaced); nothing follows.
+  virtual void OnEnd(const Error& error) = 0;
+};
+
+/// One animated head: its state, what its client wants of it, and the frames that result.
+///
+/// Ownership: shared by the registry, the client's stream and the task that advances it.
+/// Threads:   every method from any thread. `mutex_` guards what stands below it and is held for
+///            moments only; the state and environment belong to the one task that runs (`running_`).
+///            `sink_mutex_` is held while the sink is called, so that Detach returns only when no
+///            call is under way; it is never taken under `mutex_`.
+class HeadSession : public std::enable_shared_from_this<HeadSession> {
+ public:
+  HeadSession(std::string name, std::shared_ptr<const groom::Groom> groom,
+              const HeadOptions& options, exec::WorkerPool& pool);
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] const groom::Groom& groom() const { return *groom_; }
+  [[nodiscard]] const HeadOptions& options() const { return options_; }
+
+  /// Hands over what the client sent. kInvalidArgument for a pose whose time does not increase or
+  /// (lockstep) is more than a second after the one before.
+  Result<void> Submit(const Command& command);
+  /// See Mailbox::Acknowledge; no effect in lockstep.
+  Result<void> Acknowledge(uint64_t index);
+  /// The next frame to send, if any.
+  [[nodiscard]] OutgoingFrame TakeFrame();
+  /// Commands and frames not yet sent; a lockstep client is read no further above a few.
+  [[nodiscard]] int Backlog() const;
+  [[nodiscard]] uint64_t next_frame() const;
+
+  /// Directs frames to `sink`, until Detach. A head without a sink stands still.
+  void Attach(FrameSink* sink);
+  /// Returns when no call of `sink` is under way; none follows. Nothing if another one took over.
+  void Detach(FrameSink* sink);
+  /// Another stream takes over: tells the sink, if there is one, and detaches it.
+  void Displace();
+  /// Ends the head: tells its sink, which is detached.
+  void End(const Error& error);
+  void Notify(const Notice& notice);
+
+  /// Real time: makes the frame that is due at server time `due` [s], `missed` ticks having been
+  /// passed over before. Does nothing but count if the one before is still being computed.
+  void Tick(double due, int missed);
+
+ private:
+  void RunTick(double due, double now);
+  void RunQueue();
+  // Runs `work` on the pool as this head's only task; a failed check ends the head.
+  template <typename Work>
+  void Start(Work work);
+
+  void MoveTo(const math::Pose& target, double duration);
+  std::shared_ptr<Frame> MakeFrame(double time, double newest_pose_time, double started);
+  void NotifyLateness(double now);
+  [[nodiscard]] std::optional<math::Pose> RealtimeTarget(double due, double* time,
+                                                         double* newest_pose_time);
+
+  const std::string name_;
+  const std::shared_ptr<const groom::Groom> groom_;
+  const HeadOptions options_;
+  exec::WorkerPool& pool_;
+
+  // Owned by the running task.
+  head::HeadState state_;
+  head::Environment environment_;
+  double last_due_ = -1;         // Real time: server time of the frame before; < 0 before the first.
+  double last_pose_time_ = 0;    // Lockstep: client time of the state.
+  double shown_time_ = 0;        // Client time of the last frame.
+  int repaired_ = 0;
+  bool placed_ = false;          // The first pose has come.
+
+  mutable std::mutex mutex_;
+  bool running_ = false;
+  bool ended_ = false;
+  std::deque<Command> commands_;  // Lockstep: all; real time: all but plain poses.
+  MotionBuffer motion_;           // Real time.
+  std::optional<double> newest_time_;  // Client time of the newest pose.
+  Mailbox mailbox_;
+  uint64_t next_frame_ = 1;
+  uint64_t late_ = 0;             // Missed ticks not yet told.
+  double told_late_at_ = 0;
+  double told_no_poses_at_ = 0;
+
+  std::mutex sink_mutex_;
+  FrameSink* sink_ = nullptr;
+};
+
+}  // namespace mane::session

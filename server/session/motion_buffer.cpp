@@ -1,0 +1,34 @@
+#include "session/motion_buffer.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "base/check.h"
+
+namespace mane::session {
+
+void MotionBuffer::Add(double time, const math::Pose& pose, double arrival) {
+  MANE_CHECK(poses_.empty() || time > poses_.back().time);
+  poses_.push_back({time, arrival, pose});
+  if (poses_.size() > kMemory) poses_.pop_front();
+}
+
+double MotionBuffer::ClientTime(double now) const {
+  MANE_CHECK(!poses_.empty());
+  double difference = std::numeric_limits<double>::infinity();
+  for (const TimedPose& p : poses_) difference = std::min(difference, p.arrival - p.time);
+  return now - difference;
+}
+
+math::Pose MotionBuffer::At(double time) const {
+  MANE_CHECK(!poses_.empty());
+  if (poses_.size() == 1 || time <= poses_.front().time) return poses_.front().pose;
+  time = std::min(time, newest_time() + kMaxExtrapolation);
+  // The first pose after `time`, or the newest one when there is none.
+  auto after = std::ranges::upper_bound(poses_, time, {}, &TimedPose::time);
+  if (after == poses_.end()) --after;
+  const TimedPose &a = *(after - 1), &b = *after;
+  return math::Interpolate(a.pose, b.pose, (time - a.time) / (b.time - a.time));
+}
+
+}  // namespace mane::session

@@ -1,0 +1,214 @@
+#include "session/registry.h"
+
+#include <sys/random.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "base/check.h"
+#include "base/clock.h"
+
+namespace mane::session {
+namespace {
+
+// How often detached heads are looked at when nothing is due [s].
+constexpr double kIdlePeriod = 0.25;
+
+// 128 bits that nobody can guess.
+std::string MakeToken() {
+  std::array<uint64_t, 2> bits;
+  MANE_CHECK(getrandom(bits.data(), sizeof bits, 0) == sizeof bits);
+  return fmt::format("{:016x}{:016x}", bits[0], bits[1]);
+}
+
+}  // namespace
+
+Registry::Registry(const RegistryOptions& options, exec::WorkerPool& pool)
+    : options_(options), pool_(pool), clock_([this](std::stop_token stop) { RunClock(stop); }) {}
+
+Registry::~Registry() {
+  clock_.request_stop();
+  clock_.join();
+  EndAll({ErrorCode::kUnavailable, "the server is stopping", ""});
+  pool_.WaitIdle();
+}
+
+Result<OpenedHead> Registry::Open(std::shared_ptr<const groom::Groom> groom,
+                                  const HeadOptions& options, const std::string& request_id,
+                                  FrameSink* sink) {
+  const uint64_t id = next_id_++;
+  const OpenedHead opened{std::make_shared<HeadSession>(fmt::format("heads/{}", id),
+                                                        std::move(groom), options, pool_),
+                          MakeToken()};
+  std::shared_ptr<HeadSession> replaced;
+  {
+    std::lock_guard lock(mutex_);
+    if (!request_id.empty()) {
+      const auto same = std::ranges::find_if(
+          entries_, [&](const auto& item) { return item.second.request_id == request_id; });
+      if (same != entries_.end()) {
+        replaced = same->second.head;
+        entries_.erase(same);
+      }
+    }
+    const bool full = static_cast<int>(entries_.size()) >= options_.max_heads;
+    if (const auto oldest = LongestDetached(); full && oldest != entries_.end()) {
+      entries_.erase(oldest);
+    } else if (full) {
+      return Error{ErrorCode::kResourceExhausted,
+                   fmt::format("the server holds {} heads, its limit; try again later, or another "
+                               "server",
+                               entries_.size()),
+                   ""};
+    }
+    Entry& entry = entries_[id];
+    entry = {opened.head, opened.resume_token, request_id, sink, 0, 0};
+    Schedule(id, entry);
+  }
+  opened.head->Attach(sink);
+  if (replaced) {
+    replaced->End({ErrorCode::kCancelled, "opened again with the same request_id", "open"});
+  }
+  return opened;
+}
+
+Result<OpenedHead> Registry::Resume(const std::string& resume_token, FrameSink* sink) {
+  OpenedHead opened;
+  bool held = false;
+  {
+    std::lock_guard lock(mutex_);
+    const auto item = std::ranges::find_if(
+        entries_, [&](const auto& candidate) { return candidate.second.token == resume_token; });
+    if (item == entries_.end()) {
+      return Error{ErrorCode::kNotFound,
+                   fmt::format("open.resume names no head of this server; a head waits {} s for "
+                               "its stream to come back, then open it anew",
+                               options_.resume_grace),
+                   "open.resume"};
+    }
+    Entry& entry = item->second;
+    held = std::exchange(entry.sink, sink) != nullptr;
+    opened = {entry.head, entry.token};
+    Schedule(item->first, entry);
+  }
+  if (held) opened.head->Displace();
+  opened.head->Attach(sink);
+  return opened;
+}
+
+void Registry::Leave(const std::shared_ptr<HeadSession>& head, FrameSink* sink) {
+  {
+    std::lock_guard lock(mutex_);
+    const auto item = Find(head.get());
+    if (item != entries_.end() && item->second.sink == sink) {
+      item->second.sink = nullptr;
+      item->second.expires = base::SteadySeconds() + options_.resume_grace;
+    }
+  }
+  head->Detach(sink);
+}
+
+void Registry::Close(const std::shared_ptr<HeadSession>& head, FrameSink* sink) {
+  {
+    std::lock_guard lock(mutex_);
+    const auto item = Find(head.get());
+    if (item != entries_.end() && item->second.sink == sink) entries_.erase(item);
+  }
+  head->Detach(sink);
+}
+
+void Registry::Notify(const Notice& notice) {
+  std::vector<std::shared_ptr<HeadSession>> heads;
+  {
+    std::lock_guard lock(mutex_);
+    for (const auto& [id, entry] : entries_) heads.push_back(entry.head);
+  }
+  for (const auto& head : heads) head->Notify(notice);
+}
+
+void Registry::EndAll(const Error& error) {
+  Entries entries;
+  {
+    std::lock_guard lock(mutex_);
+    entries.swap(entries_);
+  }
+  for (const auto& [id, entry] : entries) entry.head->End(error);
+}
+
+int Registry::head_count() const {
+  std::lock_guard lock(mutex_);
+  return static_cast<int>(entries_.size());
+}
+
+Registry::Entries::iterator Registry::Find(const HeadSession* head) {
+  return std::ranges::find_if(entries_,
+                              [&](const auto& item) { return item.second.head.get() == head; });
+}
+
+Registry::Entries::iterator Registry::LongestDetached() {
+  auto oldest = entries_.end();
+  for (auto item = entries_.begin(); item != entries_.end(); ++item) {
+    if (item->second.sink != nullptr) continue;
+    if (oldest == entries_.end() || item->second.expires < oldest->second.expires) oldest = item;
+  }
+  return oldest;
+}
+
+void Registry::Schedule(uint64_t id, Entry& entry) {
+  // The golden ratio spreads any number of heads evenly over their period.
+  const double phase = std::fmod(static_cast<double>(id) * 0.6180339887498949, 1.0);
+  entry.due = base::SteadySeconds() + phase / entry.head->options().rate_hz;
+  rescheduled_ = true;
+  wake_.notify_one();
+}
+
+void Registry::RunClock(std::stop_token stop) {
+  std::unique_lock lock(mutex_);
+  while (!stop.stop_requested()) {
+    const double now = base::SteadySeconds();
+    const double next = TickDue(now, lock);
+    const auto pause = std::chrono::duration<double>(std::max(0.0, next - base::SteadySeconds()));
+    wake_.wait_for(lock, stop, pause, [this] { return std::exchange(rescheduled_, false); });
+  }
+}
+
+double Registry::TickDue(double now, std::unique_lock<std::mutex>& lock) {
+  struct DueTick {
+    std::shared_ptr<HeadSession> head;
+    double due;
+    int missed;
+  };
+  std::vector<DueTick> ticks;
+  std::vector<std::shared_ptr<HeadSession>> expired;
+  double next = now + kIdlePeriod;
+  for (auto item = entries_.begin(); item != entries_.end();) {
+    Entry& entry = item->second;
+    if (entry.sink == nullptr) {
+      if (entry.expires <= now) {
+        expired.push_back(std::move(entry.head));
+        item = entries_.erase(item);
+        continue;
+      }
+    } else if (entry.head->options().pacing == Pacing::kRealtime) {
+      const double period = 1 / entry.head->options().rate_hz;
+      if (entry.due <= now) {
+        const int missed = static_cast<int>((now - entry.due) / period);
+        ticks.push_back({entry.head, entry.due + missed * period, missed});
+        entry.due += (missed + 1) * period;
+      }
+      next = std::min(next, entry.due);
+    }
+    ++item;
+  }
+  lock.unlock();
+  for (const DueTick& tick : ticks) tick.head->Tick(tick.due, tick.missed);
+  for (const auto& head : expired) {
+    head->End({ErrorCode::kCancelled, "the stream did not come back in time", ""});
+  }
+  lock.lock();
+  return next;
+}
+
+}  // namespace mane::session

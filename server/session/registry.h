@@ -1,0 +1,92 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "base/result.h"
+#include "exec/worker_pool.h"
+#include "session/head_session.h"
+
+namespace mane::session {
+
+struct RegistryOptions {
+  int max_heads = 1000;        ///< Open at once, detached ones included; 1 to 100,000.
+  double resume_grace = 10;    ///< How long a head waits for its broken stream to come back [s].
+};
+
+/// A head and the secret with which a broken stream comes back to it.
+struct OpenedHead {
+  std::shared_ptr<HeadSession> head;
+  std::string resume_token;
+};
+
+/// All heads of a server: admission, the real-time clock, and heads that wait for their client.
+///
+/// Threads: every method from any thread. One thread of its own ticks real-time heads when they are
+/// due and lets detached heads expire; heads are spread over their period so that they do not fall
+/// due at once. `mutex_` is never held while a head or a sink is called.
+class Registry {
+ public:
+  Registry(const RegistryOptions& options, exec::WorkerPool& pool);
+  /// Ends all heads and stops the clock.
+  ~Registry();
+
+  /// A new head with `sink` attached. A `request_id` that is already open is taken for the lost first
+  /// try of the same call, and ended. At `max_heads` the head that has waited longest for its client
+  /// makes room; kResourceExhausted when none waits.
+  Result<OpenedHead> Open(std::shared_ptr<const groom::Groom> groom, const HeadOptions& options,
+                          const std::string& request_id, FrameSink* sink);
+  /// The detached head of `resume_token`, attached to `sink`. A stream that still holds it is ended.
+  /// kNotFound when it has expired.
+  Result<OpenedHead> Resume(const std::string& resume_token, FrameSink* sink);
+  /// The stream broke: the head stands still and waits.
+  void Leave(const std::shared_ptr<HeadSession>& head, FrameSink* sink);
+  /// The client is done: the head is gone.
+  void Close(const std::shared_ptr<HeadSession>& head, FrameSink* sink);
+  /// Tells every client.
+  void Notify(const Notice& notice);
+  /// Ends all heads.
+  void EndAll(const Error& error);
+
+  [[nodiscard]] int head_count() const;
+
+ private:
+  struct Entry {
+    std::shared_ptr<HeadSession> head;
+    std::string token;
+    std::string request_id;
+    FrameSink* sink = nullptr;  // Null while detached.
+    double expires = 0;         // While detached [s].
+    double due = 0;             // Next tick while attached in real time [s].
+  };
+  using Entries = std::map<uint64_t, Entry>;
+
+  void RunClock(std::stop_token stop);
+  // Ticks what is due at `now`; returns when to look again. Called with `lock` held; releases it
+  // around calls of heads.
+  double TickDue(double now, std::unique_lock<std::mutex>& lock);
+  Entries::iterator Find(const HeadSession* head);
+  // The detached entry that expires first, or end().
+  Entries::iterator LongestDetached();
+  // Sets the first tick of a newly attached head and has the clock look at it.
+  void Schedule(uint64_t id, Entry& entry);
+
+  const RegistryOptions options_;
+  exec::WorkerPool& pool_;
+
+  mutable std::mutex mutex_;
+  std::condition_variable_any wake_;
+  bool rescheduled_ = false;  // The clock must look again.
+  Entries entries_;
+  std::atomic<uint64_t> next_id_ = 1;
+
+  std::jthread clock_;  // Last: stopped before the rest goes.
+};
+
+}  // namespace mane::session
