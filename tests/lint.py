@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs clang-tidy over the sources of a build folder, skipping what passed before unchanged."""
+"""Runs clang-tidy over the product's sources, tests aside, skipping what passed before unchanged."""
 
 import argparse
 import hashlib
@@ -51,6 +51,11 @@ def fingerprint(source: Path, command: str) -> str:
     return total.hexdigest()
 
 
+def is_product(source: Path) -> bool:
+    name = source.relative_to(ROOT)
+    return "tests" not in name.parts and not re.fullmatch(r"test_.*|.*_test", source.stem)
+
+
 def lint(build: Path, source: Path) -> str:
     """What clang-tidy has to say; empty when nothing."""
     command = [
@@ -81,7 +86,9 @@ def main() -> int:
     generated = arguments.build.resolve()
     for entry in commands:
         source = Path(entry["file"])
-        if generated not in source.parents and (not wanted or source in wanted):
+        if generated in source.parents or not is_product(source):
+            continue
+        if not wanted or source in wanted:
             work[source] = passed / fingerprint(source, entry["command"])
     stale = [source for source, stamp in work.items() if not stamp.exists()]
     print(f"{len(work)} files, {len(stale)} to look at", flush=True)

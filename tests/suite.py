@@ -12,6 +12,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 RESULTS = ROOT / "build" / "test-results"
+MANED = ROOT / "build" / "ci" / "server" / "app" / "maned"
 PYTHON = str(ROOT / "build" / "venv" / "bin" / "python")
 JOBS = str(os.cpu_count())
 
@@ -42,7 +43,8 @@ def run_command(title: str, command: list[str]) -> bool:
     print(f"\n=== {title}: {' '.join(command)}", flush=True)
     start = time.monotonic()
     try:
-        ok = subprocess.run(command, cwd=ROOT).returncode == 0
+        environment = os.environ | {"MANED": str(MANED)}
+        ok = subprocess.run(command, cwd=ROOT, env=environment).returncode == 0
     except OSError as error:
         print(error)
         ok = False

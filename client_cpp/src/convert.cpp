@@ -113,8 +113,8 @@ GroomInfo FromProto(const v1::Groom& groom) {
   GroomInfo out;
   out.name = groom.name();
   out.display_name = groom.display_name();
-  out.create_time_s = static_cast<double>(groom.create_time().seconds()) +
-                      1e-9 * groom.create_time().nanos();
+  out.create_time_s =
+      static_cast<double>(groom.create_time().seconds()) + 1e-9 * groom.create_time().nanos();
   out.guide_count = groom.guide_count();
   out.element_count = groom.element_count();
   out.longest_guide_m = groom.longest_guide_m();

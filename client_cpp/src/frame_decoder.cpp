@@ -61,11 +61,11 @@ Result<std::shared_ptr<const FrameDecoder>> FrameDecoder::Create(
       usable = usable && !guide.element_lengths.empty();
     }
     if (!usable || guides->size() != opened.guide_count() || elements != opened.element_count()) {
-      return Error{ErrorCode::kInternal,
-                   fmt::format("the head has {} guides with {} elements, its groom {} with {}",
-                               opened.guide_count(), opened.element_count(), guides->size(),
-                               elements),
-                   ""};
+      return Error{
+          ErrorCode::kInternal,
+          fmt::format("the head has {} guides with {} elements, its groom {} with {}",
+                      opened.guide_count(), opened.element_count(), guides->size(), elements),
+          ""};
     }
     decoder->guides_ = std::move(guides);
   }

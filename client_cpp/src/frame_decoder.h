@@ -4,11 +4,11 @@
 #include <memory>
 #include <vector>
 
-#include "math/rigid.h"
 #include "mane/error.h"
 #include "mane/head.h"
 #include "mane/v1/animation.pb.h"
 #include "mane/v1/groom.pb.h"
+#include "math/rigid.h"
 
 namespace mane::inline client {
 
@@ -24,8 +24,8 @@ struct GuideGeometry {
 /// thread-safe.
 class FrameDecoder {
  public:
-  /// @param guides  the groom's guides in order; needed only for FRAME_FORMAT_GENERALIZED. kInternal
-  ///                when they do not fit what `opened` says.
+  /// @param guides  the groom's guides in order; needed only for FRAME_FORMAT_GENERALIZED.
+  /// @return kInternal when the guides do not fit what `opened` says.
   static Result<std::shared_ptr<const FrameDecoder>> Create(
       const v1::Opened& opened, std::shared_ptr<const std::vector<GuideGeometry>> guides);
 

@@ -173,10 +173,10 @@ Result<void> HeadStream::OpenLocked(Pacing wanted, const char* instead) const {
 
 Result<void> HeadStream::PutLocked(Motion motion, double time_s, const Pose& pose) {
   if (!(time_s > last_time_s_)) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("time_s = {} must be greater than the last pose's {}", time_s,
-                             last_time_s_),
-                 "time_s"};
+    return Error{
+        ErrorCode::kInvalidArgument,
+        fmt::format("time_s = {} must be greater than the last pose's {}", time_s, last_time_s_),
+        "time_s"};
   }
   last_time_s_ = time_s;
   last_pose_ = pose;
@@ -261,9 +261,8 @@ void HeadStream::RetryLaterLocked() {
   std::uniform_int_distribution<milliseconds::rep> pause(longest.count() / 2, longest.count());
   ++in_flight_;
   retry_timer_ = std::make_unique<grpc::Alarm>();
-  retry_timer_->Set(After(milliseconds(pause(jitter_))), [self = shared_from_this()](bool expired) {
-    self->OnRetryTimer(expired);
-  });
+  retry_timer_->Set(After(milliseconds(pause(jitter_))),
+                    [self = shared_from_this()](bool expired) { self->OnRetryTimer(expired); });
 }
 
 void HeadStream::OnRetryTimer(bool expired) {
@@ -283,7 +282,7 @@ void HeadStream::OnExportDone(std::unique_ptr<ExportCall> call, const grpc::Stat
       TryLocked();
     } else {
       Error error = ToError(status);
-      if (error.field == "name") error.field = "groom";  // As OpenHead calls it.
+      if (error.field == "name") error.field = "open.groom";  // As Animate calls it.
       HandleBreakLocked(std::move(error));
     }
   }
@@ -299,8 +298,9 @@ void HeadStream::OnCallDone(std::unique_ptr<AnimateCall> call, const grpc::Statu
   call_ = nullptr;
   writable_ = writing_ = false;
   if (status_.state != HeadState::kClosed) {
-    HandleBreakLocked(status.ok() ? Error{ErrorCode::kUnavailable, "the server ended the stream", ""}
-                                  : ToError(status));
+    HandleBreakLocked(status.ok()
+                          ? Error{ErrorCode::kUnavailable, "the server ended the stream", ""}
+                          : ToError(status));
   }
   lock.unlock();
   call.reset();
@@ -401,7 +401,7 @@ void HeadStream::OnOpened(const v1::Opened& opened) {
   status_.state = HeadState::kStreaming;
   status_.error.reset();
   status_.server_draining = false;
-  acked_sent_ = acked_;
+  acked_sent_ = 0;
   ack_due_ = false;
   writable_ = true;
   PumpLocked();
@@ -425,7 +425,7 @@ void HeadStream::OnFrame(const v1::HairFrame& message) {
     CancelCallsLocked();
     return;
   }
-  if (newest_is_current_ && (*frame)->index <= newest_->index) return;  // Sent again after a resume.
+  if (newest_is_current_ && (*frame)->index <= newest_->index) return;  // Sent again.
   newest_ = *std::move(frame);
   newest_is_current_ = true;
   ++frames_received_;

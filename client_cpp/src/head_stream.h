@@ -70,11 +70,11 @@ class HeadStream final : public AnimateCall::Events,
   void OnRetryTimer(bool expired);
 
   // All of these want `mutex_` held.
-  void TryLocked();                         // Starts the export or the animate call.
+  void TryLocked();  // Starts the export or the animate call.
   v1::AnimateRequest OpenRequestLocked();
-  void PumpLocked();                        // Starts the next write if there is one to start.
+  void PumpLocked();  // Starts the next write if there is one to start.
   void AcknowledgeSoonLocked();
-  void HandleBreakLocked(Error error);      // Retries, opens anew or ends.
+  void HandleBreakLocked(Error error);  // Retries, opens anew or ends.
   void RetryLaterLocked();
   void EndLocked(std::optional<Error> error);
   void CancelCallsLocked();

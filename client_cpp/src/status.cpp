@@ -38,8 +38,7 @@ std::optional<std::string> FindBadRequest(const std::string& status) {
   if (!fields.ParseFromString(status)) return std::nullopt;
   for (int i = 0; i < fields.field_count(); ++i) {
     const UnknownField& field = fields.field(i);
-    if (field.number() != kStatusDetails ||
-        field.type() != UnknownField::TYPE_LENGTH_DELIMITED) {
+    if (field.number() != kStatusDetails || field.type() != UnknownField::TYPE_LENGTH_DELIMITED) {
       continue;
     }
     const std::string& any = field.length_delimited();

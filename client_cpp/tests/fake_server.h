@@ -18,7 +18,8 @@ class FakeServer final : public v1::AnimationService::Service {
  public:
   using Stream = grpc::ServerReaderWriter<v1::AnimateResponse, v1::AnimateRequest>;
   /// Runs on a thread of its own for each call; `call` counts from 0.
-  using Script = std::function<grpc::Status(int call, grpc::ServerContext& context, Stream& stream)>;
+  using Script =
+      std::function<grpc::Status(int call, grpc::ServerContext& context, Stream& stream)>;
 
   explicit FakeServer(Script script);
   ~FakeServer() override;

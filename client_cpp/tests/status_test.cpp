@@ -1,4 +1,4 @@
-// Errors name the field when the status carries google.rpc.BadRequest, and survive when it does not.
+// Errors name the field when the status carries google.rpc.BadRequest, and survive without.
 
 #include "status.h"
 
@@ -43,11 +43,9 @@ TEST(Status, NamesTheFieldOfABadRequest) {
 }
 
 TEST(Status, KeepsTheMessageWithoutOrWithOtherDetails) {
-  for (const std::string& details :
-       {std::string(), std::string("\xff\xff garbage"),
-        Details("google.rpc.ErrorInfo", "reason", "domain")}) {
-    const Error error =
-        ToError(grpc::Status(grpc::StatusCode::NOT_FOUND, "no grooms/x", details));
+  for (const std::string& details : {std::string(), std::string("\xff\xff garbage"),
+                                     Details("google.rpc.ErrorInfo", "reason", "domain")}) {
+    const Error error = ToError(grpc::Status(grpc::StatusCode::NOT_FOUND, "no grooms/x", details));
     EXPECT_EQ(error.code, ErrorCode::kNotFound);
     EXPECT_EQ(error.message, "no grooms/x");
     EXPECT_EQ(error.field, "");

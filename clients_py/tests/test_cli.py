@@ -92,7 +92,7 @@ def test_a_whole_session(maned, motion_file, tmp_path):
     assert "serving" in run("status", server=server)
     made = run("groom", "create", "cli-demo", "--guides", "20", "--length", "0.15", server=server)
     assert "grooms/cli-demo: 20 guides" in made
-    assert "grooms/cli-demo" in run("groom", "list", server=server)
+    assert "grooms/cli-demo " in run("groom", "list", server=server)
     shown = run("groom", "show", "cli-demo", server=server)
     assert "caucasian_wavy" in shown and "0.150 m" in shown
 

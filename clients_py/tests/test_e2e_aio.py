@@ -51,6 +51,9 @@ def test_lockstep_gives_the_bits_of_the_other_client(client, groom, maned):
             head.reset()
             head.set_environment(mane.Environment(gravity=(0, 0, 0)))
             frames.append(await head.step(mane.Pose(2.5)))
+        await head.close()  # Once more does no harm.
+        with pytest.raises(mane.FailedPrecondition, match="is closed"):
+            await head.step(mane.Pose(3.0))
         return frames
 
     frames = run(talk())
@@ -72,6 +75,41 @@ def test_errors_end_the_head_and_reach_the_caller(groom, maned):
                     raise RuntimeError("own")
 
     run(talk())
+
+
+def test_what_was_wrong_arrives_although_more_is_being_sent(groom, maned):
+    # The server refuses the third of many poses that are under way.
+    times = [0.0, 0.1, 0.05, *(0.1 * k for k in range(2, 40))]
+
+    async def talk():
+        async with mane.aio.Client(maned.address) as client:
+            for _ in range(20):
+                async with client.open_head(groom, "lockstep") as head:
+                    with pytest.raises(mane.InvalidArgument, match=r"pose\.time_s is 0\.05"):
+                        async for _ in head.play(map(mane.Pose, times), in_flight=30):
+                            pass
+
+    run(talk())
+
+
+def test_a_step_that_is_given_up_does_not_disturb_what_follows(client, groom, maned):
+    poses = list(shake(0.2).poses())
+    with client.open_head(groom, "lockstep") as head:
+        expected = [head.step(pose).positions for pose in poses]
+
+    async def talk():
+        async with (
+            mane.aio.Client(maned.address) as aio_client,
+            aio_client.open_head(groom, "lockstep") as head,
+        ):
+            given_up = asyncio.create_task(head.step(poses[0]))
+            await asyncio.sleep(0)
+            given_up.cancel()
+            with pytest.raises(asyncio.CancelledError):
+                await given_up
+            return [(await head.step(pose)).positions for pose in poses[1:]]
+
+    np.testing.assert_array_equal(run(talk()), expected[1:])
 
 
 def test_a_cancelled_task_leaves_the_server_in_order(groom, maned):

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import threading
+
 import numpy as np
 import pytest
 
 import mane
 from conftest import make_guide, shake
+from mane import stream
 from mane.v1 import animation_pb2
 
 
@@ -30,7 +33,7 @@ def violated(error: mane.Error) -> str:
 BAD_POSES = [
     (mane.Pose(1.0, (np.nan, 0, 0)), "pose.pose.position.x", "nan"),
     (mane.Pose(1.0, (0, np.inf, 0)), "pose.pose.position.y", "inf"),
-    (mane.Pose(1.0, (0, 0, 2e6)), "pose.pose.position.z", "2e+06"),
+    (mane.Pose(1.0, (0, 0, 2e6)), "pose.pose.position.z", "2000000"),
     (mane.Pose(1.0, orientation=(0, 0, 0, 1.1)), "pose.pose.orientation", "1.1"),
     (mane.Pose(1.0, orientation=(0, 0, 0, 0)), "pose.pose.orientation", "0"),
     (mane.Pose(1.0, orientation=(0, np.nan, 0, 1)), "pose.pose.orientation", "nan"),
@@ -141,8 +144,28 @@ def test_a_message_over_the_limit_is_refused(client, neighbour):
 
 def test_a_client_that_vanishes_is_forgotten(client, groom, neighbour):
     for pacing in mane.Pacing:
+        opening = animation_pb2.AnimateRequest(open=stream.open_head(groom.name, pacing))
+        gone = threading.Event()
+
+        def requests(opening=opening, gone=gone):
+            yield opening
+            gone.wait(30)
+
+        call = client._animation.Animate(requests())
+        assert next(call).WhichOneof("kind") == "opened"
+        call.cancel()
+        gone.set()
+    assert client.status().serving
+
+
+@pytest.mark.parametrize("pacing", list(mane.Pacing))
+def test_a_client_closed_before_its_head_ends_it(groom, maned, pacing):
+    with mane.Client(maned.address) as client:
         head = client.open_head(groom, pacing)
-        head._connection.abandon()
+    with pytest.raises(mane.Error):
+        for k in range(10_000):
+            head.step(mane.Pose(k)) if pacing == "lockstep" else next(head.frames())
+    head.close()
 
 
 def test_bad_bakes_are_refused(client, groom, neighbour):

@@ -17,7 +17,7 @@ def guarded(tmp_path):
     certificate.private_key_pem.write_to_path(tmp_path / "key.pem")
     certificate.cert_chain_pems[0].write_to_path(tmp_path / "cert.pem")
     authority.cert_pem.write_to_path(tmp_path / "ca.pem")
-    (tmp_path / "token").write_text("sesame-4711\n")
+    (tmp_path / "token").write_text("sesame-4711-open-the-door\n")
     daemon = start_daemon(
         tmp_path, "--tls-cert", str(tmp_path / "cert.pem"), "--tls-key", str(tmp_path / "key.pem"),
         "--token-file", str(tmp_path / "token"),
@@ -28,7 +28,7 @@ def guarded(tmp_path):
 
 def test_the_right_token_opens_everything(guarded):
     address, ca_file = guarded
-    with mane.Client(address, ca_file=ca_file, token="sesame-4711") as client:
+    with mane.Client(address, ca_file=ca_file, token="sesame-4711-open-the-door") as client:
         groom = client.create_groom([make_guide()])
         with client.open_head(groom, "lockstep") as head:
             assert head.step(mane.Pose(0)).index == 1
@@ -36,7 +36,7 @@ def test_the_right_token_opens_everything(guarded):
 
 def test_others_are_refused_with_what_to_do(guarded):
     address, ca_file = guarded
-    for token in (None, "wrong"):
+    for token in (None, "wrong-but-long-enough"):
         with (
             mane.Client(address, ca_file=ca_file, token=token) as client,
             pytest.raises(mane.Unauthenticated, match="pass Client"),

@@ -168,6 +168,11 @@ def test_cutting_a_closed_body_leaves_a_closed_bust_inside_the_limits():
     assert not open_edges(whole)
     bust = cut_bust(whole, height_m=0.35, half_width_m=0.2)
     assert not open_edges(bust)
+    assert whole.is_closed() and bust.is_closed()
+    assert not Mesh(whole.vertices, whole.triangles[1:]).is_closed()
+    assert not Mesh(
+        whole.vertices, np.vstack([whole.triangles[:1, ::-1], whole.triangles[1:]])
+    ).is_closed()
     top = whole.vertices[:, 1].max()
     assert bust.vertices[:, 1].min() == pytest.approx(top - 0.35, abs=1e-5)
     assert np.abs(bust.vertices[:, 0]).max() == pytest.approx(0.2, abs=1e-5)

@@ -7,6 +7,7 @@ from PIL import Image
 from scipy.spatial.transform import Rotation
 
 from mane import mesh as meshes
+from mane import picture
 from mane.errors import InvalidArgument
 from mane.mesh import Mesh
 from mane.motion import Motion
@@ -21,9 +22,9 @@ SIZE = 48
 FAST = Look(hairs=200, size=96)
 
 
-def is_color(picture, color):
+def is_color(pixels, color):
     """Pixels that show nothing but `color`, (height, width)."""
-    return (picture == (255 * color).astype(np.uint8)).all(axis=2)
+    return (pixels == (255 * color).astype(np.uint8)).all(axis=2)
 
 
 def cast(camera, triangles, size):
@@ -103,9 +104,9 @@ def test_colors_go_linearly_over_a_triangle():
     np.testing.assert_allclose(shown, middle, atol=0.01)
 
 
-@pytest.mark.parametrize(("back", "shown"), [(0.0, 0.0), (0.25, 0.25)])
+@pytest.mark.parametrize(("back", "shown"), [(0.0, 0.6), (0.25, 0.25)])
 def test_the_inside_of_a_surface_is_dark_or_not_drawn(back, shown):
-    canvas = ZBuffer(SIZE, SIZE, FRONT, np.zeros(3))
+    canvas = ZBuffer(SIZE, SIZE, FRONT, np.full(3, 0.6))
     canvas.triangles(square(0.0), TWO[:, ::-1], np.ones((4, 3)), back=back)
     middle = (canvas.image()[SIZE // 2, SIZE // 2] / 255.0) ** 2.2
     np.testing.assert_allclose(middle, shown, atol=0.01)
@@ -261,14 +262,15 @@ def test_hair_alone_can_be_drawn(head, tmp_path):
 
 
 @pytest.mark.parametrize("workers", [1, 2])
-def test_a_video_shows_every_frame_at_the_motions_rate(head, tmp_path, workers):
+def test_a_video_shows_every_frame_at_the_motions_rate(head, tmp_path, workers, monkeypatch):
+    monkeypatch.setattr(picture, "_FRAMES_PER_WORKER", 3)
     path, motion = tmp_path / "clip.mp4", moving(6)
     done = []
 
     def count(pictures):
-        for picture in pictures:
-            done.append(picture.shape)
-            yield picture
+        for drawn in pictures:
+            done.append(drawn.shape)
+            yield drawn
 
     write_video(path, head, still_hair(head, 6), motion, look=FAST, workers=workers, progress=count)
     reader = imageio_ffmpeg.read_frames(str(path))
@@ -303,7 +305,7 @@ def test_a_video_of_one_frame_is_refused(tmp_path):
         write_video(tmp_path / "no.mp4", None, np.zeros((1, 3, 4, 3)), moving(1))
 
 
-@pytest.mark.parametrize("bad", [{"size": 100}, {"size": 0}, {"hairs": 0}])
+@pytest.mark.parametrize("bad", [{"size": 100}, {"size": 0}, {"hairs": 0}, {"tip_part": -1}])
 def test_a_bad_look_is_refused(bad):
     with pytest.raises(InvalidArgument, match=next(iter(bad))):
         Look(**bad)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import threading
 
 import numpy as np
@@ -10,7 +9,7 @@ import pytest
 
 import mane
 from mane import messages, stream
-from mane.outbox import AsyncFeed, AsyncOutbox, Feed, Outbox
+from mane.outbox import Feed, Outbox
 from mane.v1 import animation_pb2
 
 Request = animation_pb2.AnimateRequest
@@ -148,36 +147,13 @@ def test_feed_stamps_each_message_when_it_goes():
     assert [m.acked_frame for m in feed] == [0, 1]
 
 
-def test_async_feed_waits_sends_and_ends():
-    async def run():
-        outbox = AsyncOutbox(pose_limit=2)
-        feed = AsyncFeed(outbox, OPEN)
-        assert await anext(feed) == OPEN
-        waiting = asyncio.create_task(anext(feed))
-        await asyncio.sleep(0)
-        outbox.put(pose(1))
-        assert (await waiting).pose.time_s == 1
-        for k in range(5):
-            outbox.put(pose(k))
-        outbox.put_first(RESET)
-        feed.close()
-        return [m async for m in feed]
-
-    sent = asyncio.run(asyncio.wait_for(run(), 10))
-    assert [m.WhichOneof("kind") for m in sent] == ["reset", "pose", "pose"]
-    assert sent[-1].pose.time_s == 4
-
-
-def test_async_abandoned_feed_leaves_what_waits():
-    async def run():
-        outbox = AsyncOutbox()
-        feed = AsyncFeed(outbox, OPEN)
-        await anext(feed)
-        outbox.put(RESET)
-        feed.abandon()
-        return [m async for m in feed], len(outbox.messages)
-
-    assert asyncio.run(asyncio.wait_for(run(), 10)) == ([], 1)
+def test_a_message_put_first_overtakes_what_waits():
+    outbox = Outbox()
+    outbox.put(pose(1))
+    outbox.put_first(RESET)
+    feed = Feed(outbox, OPEN)
+    feed.close()
+    assert [m.WhichOneof("kind") for m in feed] == ["open", "reset", "pose"]
 
 
 @pytest.mark.parametrize(

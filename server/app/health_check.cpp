@@ -2,11 +2,14 @@
 
 #include <grpcpp/generic/generic_stub.h>
 #include <grpcpp/grpcpp.h>
+#include <grpcpp/security/tls_certificate_provider.h>
 #include <grpcpp/security/tls_certificate_verifier.h>
 #include <grpcpp/security/tls_credentials_options.h>
 
 #include <chrono>
 #include <memory>
+
+#include "app/server_options.h"
 
 namespace mane::app {
 namespace {
@@ -15,10 +18,13 @@ namespace {
 // a whole is an empty message.
 constexpr std::string_view kServing = "\x08\x01";
 
-std::shared_ptr<grpc::ChannelCredentials> Credentials(bool tls) {
-  if (!tls) return grpc::InsecureChannelCredentials();
+// Trusts exactly the server's own certificate, under whatever name it is reached.
+std::shared_ptr<grpc::ChannelCredentials> Credentials(const rpc::ServerOptions& server) {
+  if (!server.tls) return grpc::InsecureChannelCredentials();
   grpc::experimental::TlsChannelCredentialsOptions options;
-  options.set_verify_server_certs(false);
+  options.set_certificate_provider(
+      std::make_shared<grpc::experimental::StaticDataCertificateProvider>(server.tls->certificate));
+  options.watch_root_certs();
   options.set_check_call_host(false);
   options.set_certificate_verifier(std::make_shared<grpc::experimental::NoOpCertificateVerifier>());
   return grpc::experimental::TlsCredentials(options);
@@ -35,10 +41,13 @@ std::string Reachable(const std::string& listen) {
 }  // namespace
 
 Result<void> CheckHealth(const Options& options) {
+  const Result<rpc::ServerOptions> server = ToServerOptions(options);
+  if (!server) return server.error();
   const std::string address = Reachable(options.listen);
-  grpc::GenericStub stub(grpc::CreateChannel(address, Credentials(!options.tls_cert.empty())));
+  grpc::GenericStub stub(grpc::CreateChannel(address, Credentials(*server)));
   grpc::ClientContext context;
   context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(5));
+  if (!server->token.empty()) context.AddMetadata("authorization", "Bearer " + server->token);
 
   grpc::CompletionQueue queue;
   grpc::ByteBuffer response;

@@ -33,9 +33,10 @@ Result<void> CheckExposure(const Options& options) {
                            fmt::format("{} is set without {}; TLS needs both", given, missing));
   }
   if (!options.token_file.empty() && options.tls_cert.empty()) {
-    return InvalidArgument("token-file",
-                           "token-file is set without tls-cert and tls-key; a token that travels in "
-                           "plain text is no secret");
+    return InvalidArgument(
+        "token-file",
+        "token-file is set without tls-cert and tls-key; a token that travels in "
+        "plain text is no secret");
   }
   const bool guarded = !options.token_file.empty();
   if (IsLoopback(options.listen) || guarded || options.insecure_non_loopback) return {};

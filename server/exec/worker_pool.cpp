@@ -1,5 +1,6 @@
 #include "exec/worker_pool.h"
 
+#include <memory>
 #include <thread>
 #include <utility>
 
@@ -30,8 +31,12 @@ void WorkerPool::Post(std::function<void()> task) {
     std::lock_guard lock(mutex_);
     ++pending_;
   }
-  arena_.enqueue([this, task = std::move(task)] {
-    task();
+  // Shared, because oneTBB keeps its own copy a little longer than the task counts as pending: what
+  // the task captured must be gone when WaitIdle returns.
+  auto owned = std::make_shared<std::function<void()>>(std::move(task));
+  arena_.enqueue([this, owned = std::move(owned)] {
+    (*owned)();
+    *owned = nullptr;
     std::lock_guard lock(mutex_);
     if (--pending_ == 0) idle_.notify_all();
   });

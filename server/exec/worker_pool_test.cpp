@@ -14,6 +14,7 @@
 #include <atomic>
 #include <chrono>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <set>
 #include <stdexcept>
@@ -181,6 +182,20 @@ TEST(WorkerPoolTest, WaitIdleCoversWhatTasksPost) {
   EXPECT_EQ(ran, 511);
 }
 
+TEST(WorkerPoolTest, WhatTasksCapturedIsGoneWhenWaitIdleReturns) {
+  WorkerPool pool(2);
+  for (int i = 0; i < 2000; ++i) {
+    std::weak_ptr<int> seen;
+    {
+      auto captured = std::make_shared<int>(i);
+      seen = captured;
+      pool.Post([captured = std::move(captured)] { EXPECT_GE(*captured, 0); });
+    }
+    pool.WaitIdle();
+    ASSERT_TRUE(seen.expired()) << i;
+  }
+}
+
 TEST(WorkerPoolTest, WaitIdleReturnsAtOnceWhenNothingWasPosted) {
   WorkerPool pool(1);
   pool.WaitIdle();
@@ -215,9 +230,8 @@ TEST(WorkerPoolTest, PostedTasksMayLoopInParallel) {
     WorkerPool pool(workers);
     std::atomic<int> visited{0};
     for (int task = 0; task < 20; ++task) {
-      pool.Post([&] {
-        pool.ParallelFor(100, 7, [&](int begin, int end) { visited += end - begin; });
-      });
+      pool.Post(
+          [&] { pool.ParallelFor(100, 7, [&](int begin, int end) { visited += end - begin; }); });
     }
     pool.WaitIdle();
     EXPECT_EQ(visited, 2000) << workers;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 #include <utility>
 
@@ -36,9 +37,20 @@ Result<void> Validate(const Parts& parts, const Limits& limits) {
     return TooMany("guides", "guides", std::ssize(parts.guides), limits.max_guides);
   }
   long elements = 0;
-  for (const Guide& guide : parts.guides) elements += guide.strand.elements();
+  double rest_work = 0;
+  for (const Guide& guide : parts.guides) {
+    elements += guide.strand.elements();
+    rest_work += std::pow(guide.strand.elements(), 3);
+  }
   if (elements > limits.max_elements) {
     return TooMany("guides", "elements", elements, limits.max_elements);
+  }
+  if (rest_work > limits.max_rest_work) {
+    return Error{ErrorCode::kResourceExhausted,
+                 fmt::format("the cubes of the guides' element counts sum to {}; at most {} are "
+                             "allowed: use fewer elements a guide, or fewer guides",
+                             rest_work, limits.max_rest_work),
+                 "guides"};
   }
   if (!parts.rest_theta.empty() &&
       (std::ssize(parts.rest_theta) != elements || !AllFinite(parts.rest_theta))) {
@@ -82,8 +94,9 @@ Result<std::shared_ptr<const Groom>> Assemble(Parts parts, const Limits& limits,
     const auto solve = [&](int begin, int end) {
       for (int i = begin; i < end; ++i) {
         const Guide& guide = groom->guides[i];
-        SolveRest(guide, std::span(groom->rest_theta)
-                             .subspan(groom->first_element[i], guide.strand.elements()));
+        SolveRest(
+            guide,
+            std::span(groom->rest_theta).subspan(groom->first_element[i], guide.strand.elements()));
       }
     };
     if (pool != nullptr) {

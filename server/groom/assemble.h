@@ -21,20 +21,20 @@ struct Parts {
   uint64_t seed = 0;
   Scalp scalp;
   std::vector<Guide> guides;  ///< Made by MakeGuide or Generate.
-  /// Groom::rest_theta as an earlier Assemble of the same guides found it, (elements of all guides);
-  /// empty to solve it.
+  /// Groom::rest_theta as an earlier Assemble of the same guides found it, (elements of all
+  /// guides); empty to solve it.
   std::vector<Eigen::Vector3d> rest_theta;
 };
 
 /// Builds the immutable groom: counts elements and, unless `parts` has it, finds the rest shape of
-/// every guide by rod::SolveRestShape from its natural shape, under (0, -9.81, 0) m/s^2 and with the
-/// clamp at the guide's root.
+/// every guide by rod::SolveRestShape from its natural shape, under (0, -9.81, 0) m/s^2 and with
+/// the clamp at the guide's root.
 ///
 /// @param pool  shares out the guides; null solves on the calling thread. The bits do not depend on
 ///              it.
 /// @return RESOURCE_EXHAUSTED above `limits`; INVALID_ARGUMENT naming `guides` when there is none,
-///         `header.display_name`, a field of the scalp (ValidateScalp), or `rest_theta` when it does
-///         not fit the guides or is not finite.
+///         `header.display_name`, a field of the scalp (ValidateScalp), or `rest_theta` when it
+///         does not fit the guides or is not finite.
 ///
 /// A guide for which the search stops short of equilibrium keeps the angles of least energy that it
 /// found: they are where a head starts, and the motion settles from there.

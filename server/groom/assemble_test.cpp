@@ -162,6 +162,11 @@ TEST(AssembleTest, RefusesEmptyHugeAndInvalidGrooms) {
   EXPECT_EQ(refused(good, limits).code, ErrorCode::kResourceExhausted);
   EXPECT_EQ(refused(good, limits).field, "guides");
 
+  limits = {};
+  limits.max_rest_work = 374;  // Three times the cube of 5 is 375.
+  EXPECT_EQ(refused(good, limits).code, ErrorCode::kResourceExhausted);
+  EXPECT_EQ(refused(good, limits).field, "guides");
+
   parts = good;
   parts.display_name.assign(201, 'x');
   EXPECT_EQ(refused(parts, {}).field, "header.display_name");

@@ -12,9 +12,10 @@ namespace mane::groom {
 [[nodiscard]] double HexagonalDistance(double area, int n);
 
 /// Picks the `n` of `points` that are spread most evenly, by weighted sample elimination
-/// ([Yuk15] = C. Yuksel, Sample Elimination for Generating Poisson Disk Sample Sets, Computer Graphics
-/// Forum 34 (2015)): while too many are left, the point with the greatest sum of weights
-/// (1 - d_ij / 2 r_max)^8 over its neighbours goes, with [Yuk15]'s weight limit (beta 0.65, gamma 1.5).
+/// ([Yuk15] = C. Yuksel, Sample Elimination for Generating Poisson Disk Sample Sets, Computer
+/// Graphics Forum 34 (2015)): while too many are left, the point with the greatest sum of weights
+/// (1 - d_ij / 2 r_max)^8 over its neighbours goes, with [Yuk15]'s weight limit (beta 0.65,
+/// gamma 1.5).
 ///
 /// @param points  uniform random points on a surface [m]; five to ten times `n` give good results.
 /// @param n       1 to the number of points.

@@ -21,10 +21,8 @@ class Hasher {
   }
 
   template <typename T>
-    requires std::is_arithmetic_v<T>
-  void Add(T value) {
-    AddBytes(&value, sizeof value);
-  }
+  requires std::is_arithmetic_v<T>
+  void Add(T value) { AddBytes(&value, sizeof value); }
   template <typename Scalar>
   void Add(const Eigen::Vector3<Scalar>& v) {
     AddBytes(v.data(), 3 * sizeof(Scalar));

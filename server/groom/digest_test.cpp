@@ -1,5 +1,5 @@
-// Properties of the digest: equal content gives equal digests, whatever the copy and the rest shape;
-// any single change of the content gives another one.
+// Properties of the digest: equal content gives equal digests, whatever the copy and the rest
+// shape; any single change of the content gives another one.
 
 #include "groom/digest.h"
 
@@ -47,12 +47,22 @@ TEST(DigestTest, ChangesWithEveryField) {
       [](Groom& g) { g.seed = 1; },
       [](Groom& g) { g.scalp = std::monostate(); },
       [](Groom& g) { g.scalp = Ellipsoid(); },
-      [](Groom& g) { g.scalp = Ellipsoid{{1, 0, 0}, {1, 1, 1}}; },
-      [](Groom& g) { g.scalp = Ellipsoid{{0, 0, 0}, {1, 2, 1}}; },
-      [](Groom& g) { g.scalp = Ellipsoid{{0, 0, 0}, {1, 1, 1}, {1, 0, 0}}; },
-      [](Groom& g) { g.scalp = Ellipsoid{{0, 0, 0}, {1, 1, 1}, {0, 1, 0}, 1}; },
+      [](Groom& g) {
+        g.scalp = Ellipsoid{{1, 0, 0}, {1, 1, 1}};
+      },
+      [](Groom& g) {
+        g.scalp = Ellipsoid{{0, 0, 0}, {1, 2, 1}};
+      },
+      [](Groom& g) {
+        g.scalp = Ellipsoid{{0, 0, 0}, {1, 1, 1}, {1, 0, 0}};
+      },
+      [](Groom& g) {
+        g.scalp = Ellipsoid{{0, 0, 0}, {1, 1, 1}, {0, 1, 0}, 1};
+      },
       [&](Groom& g) { mesh(g).vertices[1].x() = 2; },
-      [&](Groom& g) { mesh(g).triangles[0] = {0, 1, 2}; },
+      [&](Groom& g) {
+        mesh(g).triangles[0] = {0, 1, 2};
+      },
       [&](Groom& g) { mesh(g).hair_triangles.clear(); },
       [](Groom& g) { g.guides.pop_back(); },
       [](Groom& g) { g.guides[1].root.p.z() = 1e-300; },

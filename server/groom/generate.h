@@ -17,7 +17,7 @@ struct Generation {
   HairType hair_type = HairType::kCustom;  ///< Must be set to a preset.
   uint32_t guide_count = 0;
   double length_m = 0;
-  uint32_t element_count = 0;    ///< 0 for DefaultElementCount.
+  uint32_t element_count = 0;  ///< 0 for DefaultElementCount.
   uint64_t seed = 0;
   double curl_variation = 0.05;  ///< Standard deviation, relative; see CurlVariation.
   double root_droop = 0.3;
@@ -28,15 +28,16 @@ struct Generation {
 /// draws from stream i of the seed. Same arguments, same bits.
 ///
 /// @param scalp  any; it is validated here.
-/// @return `guide_count` guides that MakeGuide accepts. INVALID_ARGUMENT or RESOURCE_EXHAUSTED names
+/// @return `guide_count` guides that MakeGuide accepts. INVALID_ARGUMENT or RESOURCE_EXHAUSTED
+/// names
 ///         a field under `header.generate`, or one of the scalp (ValidateScalp).
 [[nodiscard]] Result<std::vector<Guide>> Generate(const Scalp& scalp, const Generation& generation,
                                                   const Limits& limits);
 
-/// Material frame at a root. n0 is `normal` turned toward the ground (-Y) by droop * 90 degrees * the
-/// sine of its angle from the vertical: along the surface and downward for droop 1 on the side of a
-/// head, and never into it; unchanged where the scalp is level. `phase` [rad] turns n1 and n2 about
-/// n0.
+/// Material frame at a root. n0 is `normal` turned toward the ground (-Y) by droop * 90 degrees *
+/// the sine of its angle from the vertical: along the surface and downward for droop 1 on the side
+/// of a head, and never into it; unchanged where the scalp is level. `phase` [rad] turns n1 and n2
+/// about n0.
 ///
 /// @param normal  unit, outward.
 /// @param droop   in [0, 1].
@@ -46,10 +47,10 @@ struct Generation {
 /// Natural (twist, curvature 1, curvature 2) [rad/m] of the `N` >= 1 elements of one guide around
 /// `mean` ([SH06] 4.2: small random variations along each strand).
 ///
-/// Adds relative * mean twist * f_0(s) to the twist and relative * mean curvature 1 * f_1(s), f_2(s) to
-/// the curvatures, where each f is a sum of three cosines of random phase and frequency, at most two
-/// periods along the strand: smooth, of mean 0, variance 1, and never above sqrt(6) in size. Taken at
-/// the middle of equal elements. Straight hair stays straight.
+/// Adds relative * mean twist * f_0(s) to the twist and relative * mean curvature 1 * f_1(s),
+/// f_2(s) to the curvatures, where each f is a sum of three cosines of random phase and frequency,
+/// at most two periods along the strand: smooth, of mean 0, variance 1, and never above sqrt(6) in
+/// size. Taken at the middle of equal elements. Straight hair stays straight.
 [[nodiscard]] std::vector<Eigen::Vector3d> CurlVariation(const Eigen::Vector3d& mean,
                                                          double relative, int N,
                                                          math::RandomStream& random);

@@ -18,31 +18,32 @@ enum class HairType { kCustom, kAsianSmooth, kCaucasianWavy, kCaucasianCurly, kA
 
 /// Triangles in the head frame, counter-clockwise seen from outside.
 struct TriangleMesh {
-  std::vector<Eigen::Vector3f> vertices;              ///< [m]
-  std::vector<std::array<uint32_t, 3>> triangles;     ///< Vertex indices.
-  std::vector<uint32_t> hair_triangles;               ///< Where hair grows; empty means everywhere.
+  std::vector<Eigen::Vector3f> vertices;           ///< [m]
+  std::vector<std::array<uint32_t, 3>> triangles;  ///< Vertex indices.
+  std::vector<uint32_t> hair_triangles;            ///< Where hair grows; empty means everywhere.
 };
 
 /// An ellipsoid with axes along the head frame; hair grows where the outward normal is within
 /// `cap_angle` [rad] of `cap_axis`.
 struct Ellipsoid {
-  Eigen::Vector3d center = Eigen::Vector3d::Zero();   ///< [m]
-  Eigen::Vector3d radii = Eigen::Vector3d::Ones();    ///< [m]
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< [m]
+  Eigen::Vector3d radii = Eigen::Vector3d::Ones();   ///< [m]
   Eigen::Vector3d cap_axis = Eigen::Vector3d::UnitY();
-  double cap_angle = 3.14159265358979323846;          ///< In (0, pi].
+  double cap_angle = 3.14159265358979323846;  ///< In (0, pi].
 };
 
 using Scalp = std::variant<std::monostate, TriangleMesh, Ellipsoid>;
 
 /// One guide strand as its author described it, and the rod that follows from it.
 struct Guide {
-  math::Pose root;           ///< Material frame at the clamped end, in the head frame; n0 leaves the scalp.
+  math::Pose root;  ///< Material frame at the clamped end, in the head frame; n0 leaves the scalp.
   rod::Section section;
   rod::Material material;
-  rod::Strand strand;        ///< Stiffness and density already derived from section and material.
+  rod::Strand strand;  ///< Stiffness and density already derived from section and material.
 };
 
-/// A hair asset. Immutable once it is built by `Assemble`, and shared by every head that animates it.
+/// A hair asset. Immutable once it is built by `Assemble`, and shared by every head that animates
+/// it.
 struct Groom {
   std::string display_name;
   HairType hair_type = HairType::kCustom;

@@ -23,28 +23,28 @@ struct Preset {
 /// Appendix B gives the mean radius r, taken as (a + b)/2, and the ellipticity e = a/b. It does not
 /// give friction; section 4.2 gives the ranges, gamma in [5e-11, 5e-10] and nu in [5e-6, 5e-5], and
 /// Mane places the types in them by these remarks: gamma is 1e-10 for the curly clump of figure 6,
-/// and friction between strands grows with the complexity of their shape (2.2), so smooth hair takes
-/// the low end and fuzzy hair the high one; nu is lowest for disciplined hair and highest for fuzzy
-/// hair, and wavy and curly hair stand at even ratios between.
+/// and friction between strands grows with the complexity of their shape (2.2), so smooth hair
+/// takes the low end and fuzzy hair the high one; nu is lowest for disciplined hair and highest for
+/// fuzzy hair, and wavy and curly hair stand at even ratios between.
 [[nodiscard]] Preset PresetOf(HairType type);
 
 /// Natural (twist, curvature 1, curvature 2) [rad/m] of a preset by [SH06] 4.2:
 /// (Delta_h / (2 pi r_h^2), 1 / r_h, 0), and zero for straight hair.
 ///
-/// These are the helix formulas for a step much smaller than 2 pi r_h. African hair has a longer one
-/// (1 cm against 0.63 cm), so that its rod winds tighter than the measured helix: radius 0.28 mm and
-/// step 2.8 mm. The values are kept as published.
+/// These are the helix formulas for a step much smaller than 2 pi r_h. African hair has a longer
+/// one (1 cm against 0.63 cm), so that its rod winds tighter than the measured helix: radius 0.28
+/// mm and step 2.8 mm. The values are kept as published.
 [[nodiscard]] Eigen::Vector3d NaturalCurvature(const Preset& preset);
 
 /// Elements for a guide of `length` [m] > 0 where the author names none: one per 4 cm or one per
 /// 2 rad of natural turning, whichever is more, and from 5 to 20.
 ///
 /// 4 cm keeps the tip of smooth hair hanging from a horizontal root within a few percent of its
-/// length; 2 rad is three elements a turn, the coarsest that resolves a coil: wavy hair of 0.2 m gets
-/// 11, curly hair of 0.2 m 17 and of 0.3 m 20. The upper bound keeps a head in real time. It leaves
-/// fuzzy hair, 300 turns a metre, coarse at every length: an element of several turns cannot bend the
-/// axis of its coil, so that the strand is too stiff there, and its tip may be off by a quarter of
-/// the length or more. More elements up to 256 help only from about three a turn.
+/// length; 2 rad is three elements a turn, the coarsest that resolves a coil: wavy hair of 0.2 m
+/// gets 11, curly hair of 0.2 m 17 and of 0.3 m 20. The upper bound keeps a head in real time. It
+/// leaves fuzzy hair, 300 turns a metre, coarse at every length: an element of several turns cannot
+/// bend the axis of its coil, so that the strand is too stiff there, and its tip may be off by a
+/// quarter of the length or more. More elements up to 256 help only from about three a turn.
 [[nodiscard]] int DefaultElementCount(HairType type, double length);
 
 }  // namespace mane::groom

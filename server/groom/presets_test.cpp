@@ -78,16 +78,16 @@ TEST_P(PresetsTest, FrictionLiesInThePublishedRanges) {
 TEST(PresetStiffness, OfRoundHairIsThatOfACircle) {
   const Preset smooth = PresetOf(HairType::kAsianSmooth);
   const Eigen::Vector3d EI = rod::Stiffness(smooth.section, smooth.material);
-  const double r4 = 6.25e-18;                                // (50 um)^4
-  EXPECT_NEAR(EI[1], 1e9 * pi * r4 / 4, 1e-20);              // E pi r^4 / 4
+  const double r4 = 6.25e-18;                    // (50 um)^4
+  EXPECT_NEAR(EI[1], 1e9 * pi * r4 / 4, 1e-20);  // E pi r^4 / 4
   EXPECT_NEAR(EI[2], EI[1], 1e-22);
   EXPECT_NEAR(EI[0], 1e9 / (2 * 1.48) * pi * r4 / 2, 1e-20);  // mu pi r^4 / 2
   EXPECT_NEAR(rod::LinearDensity(smooth.section, smooth.material), 1300 * pi * 2.5e-9, 1e-18);
 }
 
 TEST(DefaultElementCount, FollowsLengthForStraightHairAndTurnsForCurledHair) {
-  EXPECT_EQ(DefaultElementCount(HairType::kAsianSmooth, 0.1), 5);    // Floor.
-  EXPECT_EQ(DefaultElementCount(HairType::kAsianSmooth, 0.3), 8);    // 4 cm each.
+  EXPECT_EQ(DefaultElementCount(HairType::kAsianSmooth, 0.1), 5);      // Floor.
+  EXPECT_EQ(DefaultElementCount(HairType::kAsianSmooth, 0.3), 8);      // 4 cm each.
   EXPECT_EQ(DefaultElementCount(HairType::kCaucasianWavy, 0.2), 11);   // 20.06 rad.
   EXPECT_EQ(DefaultElementCount(HairType::kCaucasianCurly, 0.2), 17);  // 33.6 rad.
   EXPECT_EQ(DefaultElementCount(HairType::kCaucasianCurly, 0.3), 20);  // Ceiling.

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Eigen/Core>
+
 #include <string>
 #include <string_view>
 
@@ -24,6 +26,10 @@ inline constexpr Range kCoordinateRange{-1e6, 1e6, "m"};
 
 /// INVALID_ARGUMENT that tells `value` and the range.
 [[nodiscard]] Error OutOfRange(std::string field, double value, const Range& range);
+
+/// OutOfRange of the first component of `v` that is, named `<field>.x`, `.y` or `.z`.
+[[nodiscard]] Result<void> CheckVector(const std::string& field, const Eigen::Vector3d& v,
+                                       const Range& range);
 
 /// RESOURCE_EXHAUSTED that tells `count` and the limit; `what` is the plural of what is counted.
 [[nodiscard]] Error TooMany(std::string field, std::string_view what, long count, long limit);

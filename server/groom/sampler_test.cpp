@@ -166,7 +166,8 @@ TEST(SamplerTest, ZonesOfASpheroidGetPointsByTheirArea) {
   double total = 0;
   for (int i = 0; i < kZones * kSlices; ++i) {
     const double y = -c + 2 * c * (i + 0.5) / (kZones * kSlices);
-    const double slice = std::sqrt(a * a * (1 - y * y / (c * c)) + std::pow(a * a * y / (c * c), 2));
+    const double slice =
+        std::sqrt(a * a * (1 - y * y / (c * c)) + std::pow(a * a * y / (c * c), 2));
     area[i / kSlices] += slice;
     total += slice;
   }
@@ -200,8 +201,8 @@ TEST(BlueNoiseTest, KeepsAllWhenAllAreAskedFor) {
 
 TEST(BlueNoiseTest, DropsTheCrowdedPointsFirst) {
   // Two coincident points and one close to them, among points far apart.
-  const std::vector<Vector3d> points{{0, 0, 0}, {0, 0, 0}, {0.1, 0, 0}, {5, 0, 0}, {0, 5, 0},
-                                     {5, 5, 0}};
+  const std::vector<Vector3d> points{{0, 0, 0}, {0, 0, 0}, {0.1, 0, 0},
+                                     {5, 0, 0}, {0, 5, 0}, {5, 5, 0}};
   const std::vector<int> kept = EliminateToBlueNoise(points, 4, 25);
   EXPECT_EQ(kept.size(), 4u);
   int crowded = 0;

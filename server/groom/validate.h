@@ -52,11 +52,12 @@ struct GuideDescription {
 
 /// Whether guides may grow on `scalp`, or none is given.
 ///
-/// Mesh: RESOURCE_EXHAUSTED above `limits`; else INVALID_ARGUMENT unless vertices are within ±1e6 m,
-/// indices exist, and the hair region names no triangle twice and has an area of 1e-10 m^2 or more.
-/// Errors name `scalp_mesh.vertices[7]` and the like. Ellipsoid: INVALID_ARGUMENT unless the center
-/// is within ±1e6 m, radii in [1e-3, 10] m, the cap's axis of a length in [1e-6, 1e6] and its angle in
-/// (0, pi], with the area as above. Errors name `header.ellipsoid.radii_m.x` and the like.
+/// Mesh: RESOURCE_EXHAUSTED above `limits`; else INVALID_ARGUMENT unless vertices are within ±1e6
+/// m, indices exist, and the hair region names no triangle twice and has an area of 1e-10 m^2 or
+/// more. Errors name `scalp_mesh.vertices[7]` and the like. Ellipsoid: INVALID_ARGUMENT unless the
+/// center is within ±1e6 m, radii in [1e-3, 10] m, the cap's axis of a length in [1e-6, 1e6] and
+/// its angle in (0, pi], with the area as above. Errors name `header.ellipsoid.radii_m.x` and the
+/// like.
 [[nodiscard]] Result<void> ValidateScalp(const Scalp& scalp, const Limits& limits);
 
 }  // namespace mane::groom

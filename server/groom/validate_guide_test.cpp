@@ -77,14 +77,26 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"NoElements", [](D& d) { d.element_count = 0; }, "element_count", "[1, 256]"},
         BadInput{"AbsurdElements", [](D& d) { d.element_count = 4'000'000'000; }, "element_count",
                  "is 4000000000;"},
-        BadInput{"NegativeElementLength", [](D& d) { d.element_lengths_m = {.1, -.1, .1, .1, .0}; },
+        BadInput{"NegativeElementLength",
+                 [](D& d) {
+                   d.element_lengths_m = {.1, -.1, .1, .1, .0};
+                 },
                  "element_lengths_m[1]", "is -0.1;"},
-        BadInput{"NanElementLength", [](D& d) { d.element_lengths_m = {.1, .1, kNan, .1, .1}; },
+        BadInput{"NanElementLength",
+                 [](D& d) {
+                   d.element_lengths_m = {.1, .1, kNan, .1, .1};
+                 },
                  "element_lengths_m[2]", "is nan;"},
-        BadInput{"ZeroElementLength", [](D& d) { d.element_lengths_m = {0, .05, .05, .05, .05}; },
+        BadInput{"ZeroElementLength",
+                 [](D& d) {
+                   d.element_lengths_m = {0, .05, .05, .05, .05};
+                 },
                  "element_lengths_m[0]", "[1e-06, 5] m"},
         BadInput{"ElementLengthsOfAnotherSum",
-                 [](D& d) { d.element_lengths_m = {.04, .04, .04, .04, .05}; }, "length_m", "0.21"},
+                 [](D& d) {
+                   d.element_lengths_m = {.04, .04, .04, .04, .05};
+                 },
+                 "length_m", "0.21"},
         BadInput{"NanLengthBesideElementLengths",
                  [](D& d) {
                    d.element_lengths_m = {.04, .04, .04, .04, .04};
@@ -92,8 +104,10 @@ INSTANTIATE_TEST_SUITE_P(
                  },
                  "length_m", "is nan;"},
         BadInput{"ElementLengthsOfAnotherCount",
-                 [](D& d) { d.element_lengths_m = {.05, .05, .05, .05}; }, "element_count",
-                 "is 5;"},
+                 [](D& d) {
+                   d.element_lengths_m = {.05, .05, .05, .05};
+                 },
+                 "element_count", "is 5;"},
         BadInput{"TooManyElementLengths",
                  [](D& d) {
                    d.element_lengths_m.assign(257, 1e-3);
@@ -137,8 +151,8 @@ INSTANTIATE_TEST_SUITE_P(
                  "nan"},
         BadInput{"NegativeDrag", [](D& d) { d.air_drag = -1; }, "air_drag", "[0, 10]"},
         BadInput{"NanDrag", [](D& d) { d.air_drag = kNan; }, "air_drag", "nan"},
-        BadInput{"NanTwist", [](D& d) { d.natural_twist = {0, 0, 0, kNan, 0}; },
-                 "natural_twist[3]", "nan"},
+        BadInput{"NanTwist", [](D& d) { d.natural_twist = {0, 0, 0, kNan, 0}; }, "natural_twist[3]",
+                 "nan"},
         BadInput{"LargeCurvature", [](D& d) { d.natural_curvature_1 = {2e5}; },
                  "natural_curvature_1[0]", "[-100000, 100000] rad/m"},
         BadInput{"InfiniteCurvature", [](D& d) { d.natural_curvature_2 = {-kInfinity}; },

@@ -56,9 +56,15 @@ INSTANTIATE_TEST_SUITE_P(
                 "scalp_mesh.triangles[0]"},
         BadMesh{"NoTriangles", [](M& m) { m.triangles.clear(); }, "scalp_mesh.triangles"},
         BadMesh{"Nothing", [](M& m) { m = {}; }, "scalp_mesh.triangles"},
-        BadMesh{"HairTriangleOutOfRange", [](M& m) { m.hair_triangles = {0, 2}; },
+        BadMesh{"HairTriangleOutOfRange",
+                [](M& m) {
+                  m.hair_triangles = {0, 2};
+                },
                 "scalp_mesh.hair_triangles[1]"},
-        BadMesh{"HairTriangleTwice", [](M& m) { m.hair_triangles = {1, 0, 1}; },
+        BadMesh{"HairTriangleTwice",
+                [](M& m) {
+                  m.hair_triangles = {1, 0, 1};
+                },
                 "scalp_mesh.hair_triangles[2]"},
         BadMesh{"NoArea",
                 [](M& m) {
@@ -113,18 +119,17 @@ using E = Ellipsoid;
 
 INSTANTIATE_TEST_SUITE_P(
     Table, BadEllipsoidTest,
-    ::testing::Values(
-        BadEllipsoid{"NanCenter", [](E& e) { e.center.x() = kNan; }, "center.x"},
-        BadEllipsoid{"ZeroRadius", [](E& e) { e.radii.y() = 0; }, "radii_m.y"},
-        BadEllipsoid{"NegativeRadius", [](E& e) { e.radii.z() = -0.1; }, "radii_m.z"},
-        BadEllipsoid{"HugeRadius", [](E& e) { e.radii.x() = 11; }, "radii_m.x"},
-        BadEllipsoid{"NanRadius", [](E& e) { e.radii.x() = kNan; }, "radii_m.x"},
-        BadEllipsoid{"ZeroAxis", [](E& e) { e.cap_axis.setZero(); }, "cap_axis"},
-        BadEllipsoid{"NanAxis", [](E& e) { e.cap_axis.y() = kNan; }, "cap_axis"},
-        BadEllipsoid{"ZeroAngle", [](E& e) { e.cap_angle = 0; }, "cap_angle"},
-        BadEllipsoid{"LargeAngle", [](E& e) { e.cap_angle = 3.2; }, "cap_angle"},
-        BadEllipsoid{"NanAngle", [](E& e) { e.cap_angle = kNan; }, "cap_angle"},
-        BadEllipsoid{"VanishingCap", [](E& e) { e.cap_angle = 1e-8; }, "cap_angle"}),
+    ::testing::Values(BadEllipsoid{"NanCenter", [](E& e) { e.center.x() = kNan; }, "center.x"},
+                      BadEllipsoid{"ZeroRadius", [](E& e) { e.radii.y() = 0; }, "radii_m.y"},
+                      BadEllipsoid{"NegativeRadius", [](E& e) { e.radii.z() = -0.1; }, "radii_m.z"},
+                      BadEllipsoid{"HugeRadius", [](E& e) { e.radii.x() = 11; }, "radii_m.x"},
+                      BadEllipsoid{"NanRadius", [](E& e) { e.radii.x() = kNan; }, "radii_m.x"},
+                      BadEllipsoid{"ZeroAxis", [](E& e) { e.cap_axis.setZero(); }, "cap_axis"},
+                      BadEllipsoid{"NanAxis", [](E& e) { e.cap_axis.y() = kNan; }, "cap_axis"},
+                      BadEllipsoid{"ZeroAngle", [](E& e) { e.cap_angle = 0; }, "cap_angle"},
+                      BadEllipsoid{"LargeAngle", [](E& e) { e.cap_angle = 3.2; }, "cap_angle"},
+                      BadEllipsoid{"NanAngle", [](E& e) { e.cap_angle = kNan; }, "cap_angle"},
+                      BadEllipsoid{"VanishingCap", [](E& e) { e.cap_angle = 1e-8; }, "cap_angle"}),
     [](const auto& bad) { return bad.param.name; });
 
 }  // namespace

@@ -243,6 +243,8 @@ void Queue::Settle(const JobContext& context, const Result<void>& outcome) {
     state = JobState::kFailed;
     error = Describe(outcome.error());
   }
+  // What a watcher saw last stays: progress on disk lags behind. (A failure here costs only that.)
+  if (state != JobState::kQueued) (void)store_.SetProgress(job.id, context.progress());
   while (true) {
     const auto stored =
         state == JobState::kQueued ? store_.Requeue(job.id) : store_.Finish(job.id, state, error);

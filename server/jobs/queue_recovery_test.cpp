@@ -140,6 +140,20 @@ TEST_F(QueueTest, StopWhileJobsComeAndGoLosesNone) {
   }
 }
 
+// Were the stop lost between the claim and the runner's start, the job would run on and fail.
+TEST_F(QueueTest, StopRacingTheClaimIsNeverLost) {
+  queue_->RegisterRunner("stay", RunUntilStopped);
+  const std::string id = Submit("stay");
+  for (int i = 0; i < 50; ++i) {
+    MANE_ASSERT_OK(queue_->Start());
+    // Claimed, by what the store says: the worker may not have got further.
+    const auto claimed = [&] { return store_->Get(id)->state == JobState::kRunning; };
+    ASSERT_TRUE(i % 2 == 0 || Eventually(claimed));
+    queue_->Stop();
+    ASSERT_EQ(Get(id).job.state, JobState::kQueued) << i;
+  }
+}
+
 TEST_F(QueueTest, QueuedJobWithoutARunnerFails) {
   queue_->RegisterRunner("old", RunUntilStopped);
   const std::string id = Submit("old");

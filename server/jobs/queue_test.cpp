@@ -68,6 +68,17 @@ TEST_F(QueueTest, SeveralWorkersRunJobsAtOnce) {
   }));
 }
 
+TEST_F(QueueTest, IdleWorkerWakesForAJob) {
+  queue_->RegisterRunner("succeed", [](const JobRecord&, JobContext&) { return Result<void>(); });
+  MANE_ASSERT_OK(queue_->Start());
+  for (int i = 0; i < 5; ++i) {
+    const std::string id = Submit("succeed");
+    ASSERT_TRUE(Reaches(id, JobState::kSucceeded)) << i;
+    // The worker takes turns with these at the store, finds nothing, and goes idle.
+    for (int k = 0; k < 300; ++k) Get(id);
+  }
+}
+
 TEST_F(QueueTest, SubmittedJobIsOnDiskAndRepeatsReturnIt) {
   queue_->RegisterRunner("stay", RunUntilStopped);
   const std::string id = Submit("stay", "spec", "request");

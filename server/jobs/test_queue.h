@@ -27,10 +27,10 @@ inline bool Eventually(const std::function<bool()>& condition,
   return true;
 }
 
-/// A runner that works until it is told to stop.
+/// A runner that works until it is told to stop; fails if that never comes.
 inline Result<void> RunUntilStopped(const storage::JobRecord&, JobContext& context) {
-  while (!context.Cancelled()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  return JobContext::StoppedError();
+  if (Eventually([&] { return context.Cancelled(); })) return JobContext::StoppedError();
+  return Error{ErrorCode::kInternal, "nobody stopped it", ""};
 }
 
 /// A queue on a store of its own.

@@ -25,7 +25,8 @@ TEST(QuadratureTest, ExactUpToDegreeTwiceNMinusOne) {
   for (int n = 1; n <= 64; ++n) {
     const Quadrature rule = GaussLegendre(n);
     for (int degree = 0; degree < 2 * n; ++degree) {
-      // Nodes and weights are rounded; x^degree multiplies a node's relative rounding by the degree.
+      // Nodes and weights are rounded; x^degree multiplies a node's relative rounding by the
+      // degree.
       EXPECT_NEAR(Integrate(rule, degree) * (degree + 1), 1, 1e-15 * (10 + 2 * degree))
           << "n=" << n << " degree=" << degree;
     }

@@ -1,4 +1,5 @@
-// Properties of the counter-based streams, with fixed seeds so that every run sees the same numbers:
+// Properties of the counter-based streams, with fixed seeds so that every run sees the same
+// numbers:
 //   counter       the k-th number depends on seed, stream and k alone
 //   distinct      neighbouring seeds and streams share no numbers
 //   uniform       chi-square along a stream and across streams; neighbours uncorrelated

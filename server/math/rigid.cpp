@@ -15,7 +15,7 @@ Eigen::Vector3d RotationVector(const Eigen::Quaterniond& q) {
 Eigen::Quaterniond FromRotationVector(const Eigen::Vector3d& v) {
   const double angle = v.norm();
   const double half = 0.5 * angle;
-  const double sinc = angle < 1e-8 ? 0.5 - angle * angle / 48 : std::sin(half) / angle;
+  const double sinc = angle < 1e-8 ? 0.5 : std::sin(half) / angle;
   Eigen::Quaterniond q;
   q.w() = std::cos(half);
   q.vec() = sinc * v;

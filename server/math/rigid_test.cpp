@@ -59,8 +59,8 @@ Matrix4d AsMatrix(const Pose& pose) {
 }
 
 TEST_F(RigidTest, ExponentialAgreesWithItsPowerSeries) {
-  for (const double angle : {0.0, 1e-300, 1e-12, 0.99e-8, 1.01e-8, 1e-4, 1.0, 3.0, kPi, 4.0, 6.28,
-                             10.0, 50.0}) {
+  for (const double angle :
+       {0.0, 1e-300, 1e-12, 0.99e-8, 1.01e-8, 1e-4, 1.0, 3.0, kPi, 4.0, 6.28, 10.0, 50.0}) {
     for (int i = 0; i < 20; ++i) {
       const Vector3d v = angle * Direction();
       const Quaterniond q = FromRotationVector(v);

@@ -9,7 +9,7 @@ namespace mane::math {
 /// c2 = (1 - cos x) / x^2, and c_n = 1/n! - z c_{n+2}.
 using Stumpff = std::array<double, 7>;
 
-/// All c_n at `z` >= 0, each to a few ulp. No allocation.
+/// All c_n at `z` >= 0, each to 20 ulp. No allocation.
 [[nodiscard]] Stumpff StumpffC(double z);
 
 /// Twice the derivative, 2 dc_n/dz = n c_{n+2} - c_{n+1}, for n <= 4.

@@ -35,13 +35,20 @@ long double DefiningSeries(int n, long double z) {
 long double ClosedForm(int n, long double z) {
   const long double x = std::sqrt(z), s = std::sin(x), c = std::cos(x);
   switch (n) {
-    case 0: return c;
-    case 1: return s / x;
-    case 2: return 2 * std::sin(x / 2) * std::sin(x / 2) / z;
-    case 3: return (x - s) / (z * x);
-    case 4: return (c - 1 + z / 2) / (z * z);
-    case 5: return (s - x + z * x / 6) / (z * z * x);
-    default: return (1 - z / 2 + z * z / 24 - c) / (z * z * z);
+    case 0:
+      return c;
+    case 1:
+      return s / x;
+    case 2:
+      return 2 * std::sin(x / 2) * std::sin(x / 2) / z;
+    case 3:
+      return (x - s) / (z * x);
+    case 4:
+      return (c - 1 + z / 2) / (z * z);
+    case 5:
+      return (s - x + z * x / 6) / (z * z * x);
+    default:
+      return (1 - z / 2 + z * z / 24 - c) / (z * z * z);
   }
 }
 
@@ -49,9 +56,10 @@ long double Oracle(int n, long double z) {
   return z <= 30 ? DefiningSeries(n, z) : ClosedForm(n, z);
 }
 
-// c_n is at most 1/n! and oscillates through zero for n <= 2, so errors are measured in ulp of 1/n!.
-// Beyond the switch the rounding of x = sqrt(z) moves the phase by x ulp, and c_{n+2} = (1/n! - c_n)/z
-// multiplies ulp of 1/n! by (n + 1)(n + 2) / z: at z = 4 by 3 from c2 to c4 and by 7.5 more to c6.
+// c_n is at most 1/n! and oscillates through zero for n <= 2, so errors are measured in ulp of
+// 1/n!. Beyond the switch the rounding of x = sqrt(z) moves the phase by x ulp, and c_{n+2} = (1/n!
+// - c_n)/z multiplies ulp of 1/n! by (n + 1)(n + 2) / z: at z = 4 by 3 from c2 to c4 and by 7.5
+// more to c6.
 double Tolerance(int n, double z) {
   const double growth = n >= 5 ? 22.5 : n >= 3 ? 3 : 1;
   return (4 + growth + std::sqrt(z)) * kEps / static_cast<double>(Factorial(n));
@@ -72,7 +80,8 @@ TEST(StumpffTest, AgreesWithSeriesAndTrigonometry) {
     const double z = x * x;
     const Stumpff c = StumpffC(z);
     for (int n = 0; n < 7; ++n) {
-      EXPECT_NEAR(c[n], static_cast<double>(Oracle(n, z)), Tolerance(n, z)) << "n=" << n << " z=" << z;
+      EXPECT_NEAR(c[n], static_cast<double>(Oracle(n, z)), Tolerance(n, z))
+          << "n=" << n << " z=" << z;
     }
   }
 }

@@ -26,7 +26,10 @@ math::Pose Shake(int i, double dt) {  // 4 Hz, 10 cm to either side.
 
 math::Pose SnapTurn(int i, double dt) {  // Ninety degrees in 0.2 s to and fro, 10 cm off the axis.
   const double phase = std::fmod(i * dt, 0.8);
-  const double part = phase < 0.2 ? phase / 0.2 : phase < 0.4 ? 1 : phase < 0.6 ? 3 - phase / 0.2 : 0;
+  const double part = phase < 0.2   ? phase / 0.2
+                      : phase < 0.4 ? 1
+                      : phase < 0.6 ? 3 - phase / 0.2
+                                    : 0;
   const Quaterniond q(Eigen::AngleAxisd(part * M_PI / 2, Vector3d::UnitY()));
   return {q * Vector3d(0.1, 0, 0), q};
 }
@@ -70,8 +73,8 @@ double Fastest(const std::vector<Vector3d>& velocity) {
 }
 
 // Runs `steps` steps and returns the largest speed of any point over the clamp's largest.
-double RelativeSpeed(const Strand& strand, const Motion& motion, const Surroundings& air,
-                     double dt, int steps) {
+double RelativeSpeed(const Strand& strand, const Motion& motion, const Surroundings& air, double dt,
+                     int steps) {
   State state(strand);
   StepScratch scratch;
   double fastest = 0, clamp_fastest = std::sqrt(2 * 9.81 * strand.TotalLength());
@@ -126,7 +129,8 @@ TEST_P(BoundedTest, CalmsDownAfterTheStorm) {
   StepScratch scratch;
   const double dt = 1.0 / 30;
   for (int i = 0; i < 90; ++i) {
-    ASSERT_TRUE(Step(strand, {Teleport(i, dt), Teleport(i + 1, dt), dt}, {}, state.View(), scratch));
+    ASSERT_TRUE(
+        Step(strand, {Teleport(i, dt), Teleport(i + 1, dt), dt}, {}, state.View(), scratch));
   }
   const math::Pose still = Teleport(90, dt);
   for (int i = 0; i < 1800; ++i) {

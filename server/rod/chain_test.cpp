@@ -70,8 +70,8 @@ TEST(ChainTest, PointJacobianAgreesWithFiniteDifferences) {
     for (const double angle : {0.0, 1e-6, 1.0, 10.0}) {
       const Case c = MakeCase(N, angle, 10 + N);
       const oracle::Rule rule{{0.0L, 0.31L, 1.0L}, {0, 0, 0}};
-      const std::vector<oracle::Matrix3X> J = oracle::Rod(c.strand).Jacobians(
-          oracle::ToFrame(c.clamp), oracle::Stack(c.theta), rule);
+      const std::vector<oracle::Matrix3X> J =
+          oracle::Rod(c.strand).Jacobians(oracle::ToFrame(c.clamp), oracle::Stack(c.theta), rule);
       for (int Q = 0; Q < N; ++Q) {
         for (int g = 0; g < 3; ++g) {
           const double u = static_cast<double>(rule.nodes[g]);
@@ -93,8 +93,8 @@ TEST(ChainTest, ElementsMeetWithoutAKink) {
     EXPECT_LT((at(Q, 1) - at(Q + 1, 0)).norm(), 1e-15);
     // One-sided second order differences of both sides: error (angle e)^2 = 3e-7, rounding 1e-12.
     const double e = 1e-4;
-    const Vector3d left = (3 * at(Q, 1) - 4 * at(Q, 1 - e) + at(Q, 1 - 2 * e)) /
-                          (2 * e * c.strand.length[Q]);
+    const Vector3d left =
+        (3 * at(Q, 1) - 4 * at(Q, 1 - e) + at(Q, 1 - 2 * e)) / (2 * e * c.strand.length[Q]);
     const Vector3d right = (-3 * at(Q + 1, 0) + 4 * at(Q + 1, e) - at(Q + 1, 2 * e)) /
                            (2 * e * c.strand.length[Q + 1]);
     EXPECT_LT((left - right).norm(), 1e-6);
@@ -112,8 +112,7 @@ TEST(ChainTest, PolylinesAreAtMostAsLongAsTheStrandAndTendToIt) {
       double length = 0;
       Vector3d previous = c.clamp.p;
       for (int i = 1; i <= points; ++i) {
-        const Vector3d r =
-            PointAt(c.strand, c.clamp, c.theta, Locate(c.strand, L * i / points)).r;
+        const Vector3d r = PointAt(c.strand, c.clamp, c.theta, Locate(c.strand, L * i / points)).r;
         EXPECT_LE((r - previous).norm(), L / points * (1 + 1e-10));
         length += (r - previous).norm();
         previous = r;

@@ -40,7 +40,8 @@ TEST_P(EnergyTest, EnergiesAgreeWithBruteForce) {
         rod.Gravity(oracle::ToFrame(clamp), gravity.cast<Real>(), oracle::Stack(theta)));
     const double L = strand.TotalLength();
     const double scale = strand.linear_density * gravity.norm() * L * L;
-    EXPECT_NEAR(GravityPotential(strand, clamp, gravity, theta), V, 1e-14 * (1 + GetParam()) * scale);
+    EXPECT_NEAR(GravityPotential(strand, clamp, gravity, theta), V,
+                1e-14 * (1 + GetParam()) * scale);
   }
 }
 
@@ -55,7 +56,8 @@ TEST_P(EnergyTest, GradientAgreesWithFiniteDifferences) {
     const oracle::Vector mine = oracle::Stack(gradient);
     const oracle::Vector brute = oracle::Rod(strand).Gradient(
         oracle::ToFrame(clamp), gravity.cast<Real>(), oracle::Stack(theta));
-    EXPECT_LT(static_cast<double>((mine - brute).norm()), 1e-12 * static_cast<double>(brute.norm()));
+    EXPECT_LT(static_cast<double>((mine - brute).norm()),
+              1e-12 * static_cast<double>(brute.norm()));
   }
 }
 
@@ -93,9 +95,9 @@ TEST(KineticEnergyTest, IsTheQuadraticFormOfTheMassMatrix) {
 TEST(KineticEnergyTest, OfARigidTranslationIsHalfMassTimesSpeedSquared) {
   const Strand strand = fixtures::Random(18).UnevenStrand(3, 0.2, 1);
   const std::vector<Vector3d> velocity(3 * kGaussPoints, Vector3d(1, 2, -2));
-  EXPECT_NEAR(KineticEnergy(strand, velocity) /
-                  (0.5 * strand.linear_density * strand.TotalLength() * 9),
-              1, 1e-14);
+  EXPECT_NEAR(
+      KineticEnergy(strand, velocity) / (0.5 * strand.linear_density * strand.TotalLength() * 9), 1,
+      1e-14);
 }
 
 TEST(RestTest, NaturalShapeHasNoForceAndNoEnergyWithoutGravity) {

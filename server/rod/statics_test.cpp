@@ -2,8 +2,8 @@
 //   elastica    converges, second order in the number of elements, to the planar heavy elastica,
 //               solved here as a boundary value problem
 //   minimum     no small change of the angles lowers the energy
-//   buckling    an upright straight strand leaves its saddle above Greenhill's number, and only there
-//   natural     without gravity the natural shape of every hair type is the rest shape
+//   buckling    an upright straight strand leaves its saddle above Greenhill's number, and only
+//   there natural     without gravity the natural shape of every hair type is the rest shape
 //   symmetry    turning clamp and gravity together turns the answer
 
 #include "rod/statics.h"
@@ -132,8 +132,8 @@ TEST(StaticsTest, EnergyIsAtAMinimum) {
 
 TEST(StaticsTest, UprightStrandBucklesAboveGreenhillsNumberOnly) {
   // 7.8373 for the continuous column; ten elements are stiffer by less than one percent.
-  const math::Pose upright{Vector3d::Zero(),
-                           Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitX(), Vector3d::UnitY())};
+  const math::Pose upright{
+      Vector3d::Zero(), Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitX(), Vector3d::UnitY())};
   for (const double number : {2.0, 7.5, 8.2, 20.0, 163.0}) {
     const Strand strand = fixtures::HeavyStrand(number, 10);
     State state(strand);

@@ -50,8 +50,8 @@ double PredictedChange(const Strand& strand, const math::Pose& clamp, const Surr
       oracle::Stack(before.theta) + kTheta * dt * oracle::Stack(before.rate);
   const oracle::Frame frame = oracle::ToFrame(clamp);
   const oracle::Vector3 body = (air.gravity + nu / strand.linear_density * air.wind).cast<Real>();
-  const oracle::Vector weight = rod.Gradient(frame, oracle::Vector3::Zero(), ahead) -
-                                rod.Gradient(frame, body, ahead);
+  const oracle::Vector weight =
+      rod.Gradient(frame, oracle::Vector3::Zero(), ahead) - rod.Gradient(frame, body, ahead);
   return change + static_cast<double>(dt * weight.dot(oracle::Stack(after.rate)));
 }
 

@@ -1,6 +1,8 @@
 // Trajectories of the time step against other ways to get them:
-//   Lagrange       converge, first order in dt, to an RK4 integration of [SH06] (4) built from finite
-//                  differences, for clamps at rest, moving and turning, with friction, drag and wind
+//   Lagrange       converge, first order in dt, to an RK4 integration of [SH06] (4) built from
+//   finite
+//                  differences, for clamps at rest, moving and turning, with friction, drag and
+//                  wind
 //   moving frame   on a clamp that accelerates evenly it moves as on a fixed one under g - a
 //   settling       comes to rest where SolveRestShape says, and stays there
 //   wind           steady wind acts as the weight nu w / (rho S), drag included
@@ -64,8 +66,8 @@ Vector RunSteps(const Scene& scene, int steps) {
     state.theta[Q] = start.theta.segment<3>(3 * Q).cast<double>();
     state.rate[Q] = start.rate.segment<3>(3 * Q).cast<double>();
   }
-  const oracle::Matrix3X u = oracle::PointVelocities(scene.strand, scene.clamp, 0, start,
-                                                     oracle::GaussRule(kGaussPoints));
+  const oracle::Matrix3X u =
+      oracle::PointVelocities(scene.strand, scene.clamp, 0, start, oracle::GaussRule(kGaussPoints));
   for (size_t k = 0; k < state.velocity.size(); ++k) state.velocity[k] = u.col(k).cast<double>();
   const double dt = scene.duration / steps;
   StepScratch scratch;
@@ -130,8 +132,8 @@ TEST(StepMotionTest, FrictionDragAndWindFollowLagrange) {
 
 TEST(StepMotionTest, EvenlyAcceleratedClampIsWeight) {
   // The step averages the clamp's velocity, so a velocity field that starts at a dt (1/2 - theta)
-  // is at rest in the clamp's frame, and both runs agree but for weight (by centres of mass) against
-  // inertia (by Gauss points): 1e-8 for elements of half a radian.
+  // is at rest in the clamp's frame, and both runs agree but for weight (by centres of mass)
+  // against inertia (by Gauss points): 1e-8 for elements of half a radian.
   const Strand strand = Random(31).UnevenStrand(5, 0.2, 0.5);
   const Vector3d a(4, -3, 6);
   const double dt = 1.0 / 60;
@@ -234,8 +236,7 @@ TEST(StepMotionTest, SteadyWindIsWeight) {
   State state(strand);
   Settle(strand, clamp, air, &state);
   std::vector<Vector3d> theta = state.theta;
-  const Vector3d weight =
-      air.gravity + 20 * strand.air_drag / strand.linear_density * air.wind;
+  const Vector3d weight = air.gravity + 20 * strand.air_drag / strand.linear_density * air.wind;
   EXPECT_TRUE(SolveRestShape(strand, clamp, weight, theta).converged);
   EXPECT_LT(Distance(Shape(strand, clamp, state.theta), Shape(strand, clamp, theta)), 1e-6 * 0.2);
   EXPECT_GT(weight.cross(air.gravity).norm(), 10 * air.gravity.norm());  // It does blow.

@@ -95,8 +95,7 @@ TEST(StepTest, AcceleratesFromRestByTheInverseMassTimesForce) {
     const oracle::Vector theta = oracle::Stack(start.theta);
     const oracle::Frame frame = oracle::ToFrame(clamp);
     const oracle::Vector force = -rod.Gradient(frame, air.gravity.cast<oracle::Real>(), theta);
-    const oracle::Vector acceleration =
-        rod.Mass(frame, theta, kGaussPoints).ldlt().solve(force);
+    const oracle::Vector acceleration = rod.Mass(frame, theta, kGaussPoints).ldlt().solve(force);
     double error[2];
     for (int i = 0; i < 2; ++i) {
       const double dt = i == 0 ? 2e-6 : 1e-6;
@@ -146,7 +145,8 @@ TEST(StepTest, GalileanBoostChangesNoAngle) {
   for (Vector3d& u : fast.velocity) u += boost;
   ASSERT_TRUE(Step(strand, clamp, air, fast.View(), scratch));
   for (Vector3d& u : fast.velocity) u -= boost;
-  // Drag sums over Gauss points and wind by centres of mass: alike to 1e-7 for these gentle elements.
+  // Drag sums over Gauss points and wind by centres of mass: alike to 1e-7 for these gentle
+  // elements.
   EXPECT_LT(Difference(slow.rate, fast.rate), 1e-6 * Largest(slow.rate));
   EXPECT_LT(Difference(slow.velocity, fast.velocity), 1e-6 * Largest(slow.velocity));
 }

@@ -43,8 +43,8 @@ TEST(StrandTest, StiffnessIsTheSecondMomentOfArea) {
   // Prandtl: laplacian phi = -2 and phi = 0 on the boundary; J = 2 int phi dA.
   const double scale = a * a * b * b / (a * a + b * b);
   const double J = 2 * OverEllipse(a, b, [&](double x1, double x2) {
-    return scale * (1 - x1 * x1 / (a * a) - x2 * x2 / (b * b));
-  });
+                     return scale * (1 - x1 * x1 / (a * a) - x2 * x2 / (b * b));
+                   });
   const double mu = 2e9 / (2 * 1.4);
   EXPECT_NEAR(EI[0] / (mu * J), 1, 1e-6);
   const double area = OverEllipse(a, b, [](double, double) { return 1; });

@@ -22,8 +22,8 @@ struct Air {
       : gravity(air.gravity.cast<Real>()),
         wind(air.wind.cast<Real>()),
         friction(air.internal_friction_scale),
-        drag_rate(static_cast<Real>(air.air_drag_scale) * strand.air_drag /
-                  strand.linear_density) {}
+        drag_rate(static_cast<Real>(air.air_drag_scale) * strand.air_drag / strand.linear_density) {
+  }
 };
 
 }  // namespace
@@ -194,7 +194,8 @@ Vector Rod::Friction() const {
 
 Vector Rod::Natural() const {
   Vector natural(3 * elements());
-  for (int i = 0; i < natural.size(); ++i) natural[i] = strand_.natural[i / 3][i % 3] * length(i / 3);
+  for (int i = 0; i < natural.size(); ++i)
+    natural[i] = strand_.natural[i / 3][i % 3] * length(i / 3);
   return natural;
 }
 
@@ -225,8 +226,7 @@ void DenseStep(const Strand& strand, const ClampMotion& clamp, const Surrounding
   for (size_t k = 0; k < J.size(); ++k) {
     base[k] = velocity + spin.cross(r.col(k) - root.r);
     H += (1 + h * c) * masses[k] * J[k].transpose() * J[k];
-    b += masses[k] * J[k].transpose() *
-         (state.velocity[k].cast<Real>() - (1 + h * c) * base[k]);
+    b += masses[k] * J[k].transpose() * (state.velocity[k].cast<Real>() - (1 + h * c) * base[k]);
   }
   const Vector3 body = air.gravity + c * air.wind;
   b -= h * (rod.Gradient(root, body, ahead) - rod.Gradient(root, Vector3::Zero(), ahead));

@@ -10,9 +10,9 @@
 #include "rod/step.h"
 #include "rod/strand.h"
 
-/// Brute-force Super-Helix in long double, which shares no formula with the code under test: elements
-/// by [SH06] (7a), (7b), every derivative by finite differences, every integral by its own Gauss
-/// rule, every solve dense.
+/// Brute-force Super-Helix in long double, which shares no formula with the code under test:
+/// elements by [SH06] (7a), (7b), every derivative by finite differences, every integral by its own
+/// Gauss rule, every solve dense.
 namespace mane::rod::oracle {
 
 using Real = long double;
@@ -84,9 +84,9 @@ void DenseStep(const Strand& strand, const ClampMotion& clamp, const Surrounding
                StrandState state);
 
 /// Trajectory of [SH06] (4) under a prescribed clamp motion, by RK4 on
-/// M qddot = int J^T (F - rho S b) ds - K (q - q^n) - D qdot, where b is the point's acceleration at
-/// qddot = 0 and F the force (5a) with wind. Inertia and drag are summed over the step's few Gauss
-/// points, so that both have one continuous limit; weight and wind are not.
+/// M qddot = int J^T (F - rho S b) ds - K (q - q^n) - D qdot, where b is the point's acceleration
+/// at qddot = 0 and F the force (5a) with wind. Inertia and drag are summed over the step's few
+/// Gauss points, so that both have one continuous limit; weight and wind are not.
 struct Motion {
   Vector theta, rate;
 };
@@ -95,7 +95,8 @@ struct Motion {
                                        const Surroundings& air, Motion motion, Real duration,
                                        int steps);
 
-/// Velocities of the points at the nodes of `rule` when the angles and the clamp move, (3 x N points).
+/// Velocities of the points at the nodes of `rule` when the angles and the clamp move, (3 x N
+/// points).
 [[nodiscard]] Matrix3X PointVelocities(const Strand& strand,
                                        const std::function<Frame(Real)>& clamp, Real t,
                                        const Motion& motion, const Rule& rule);

@@ -17,10 +17,10 @@ namespace mane::rod::fixtures {
 /// A row of [SH06] Appendix B, with the formulas of its section 4.2.
 struct Hair {
   std::string name;
-  double radius;        ///< [m]
-  double ellipticity;   ///< Larger over smaller semi-axis.
-  double helix_radius;  ///< [m]; 0 is straight.
-  double helix_step;    ///< [m]
+  double radius;         ///< [m]
+  double ellipticity;    ///< Larger over smaller semi-axis.
+  double helix_radius;   ///< [m]; 0 is straight.
+  double helix_step;     ///< [m]
   double young_modulus;  ///< [Pa]
 };
 
@@ -32,8 +32,8 @@ inline const std::vector<Hair>& AppendixB() {
   return hairs;
 }
 
-/// `elements` equal elements of a hair of `length` [m], with friction and drag from the middle of the
-/// ranges of [SH06] 4.2.
+/// `elements` equal elements of a hair of `length` [m], with friction and drag from the middle of
+/// the ranges of [SH06] 4.2.
 inline Strand MakeStrand(const Hair& hair, double length, int elements) {
   const double root = std::sqrt(hair.ellipticity);
   const Section section{hair.radius * root, hair.radius / root};
@@ -106,8 +106,8 @@ class Random {
     return result;
   }
 
-  /// About `length` [m] in elements of lengths within a factor 3, curved by up to `angle` [rad] each,
-  /// three different stiffnesses, with friction and drag.
+  /// About `length` [m] in elements of lengths within a factor 3, curved by up to `angle` [rad]
+  /// each, three different stiffnesses, with friction and drag.
   Strand UnevenStrand(int elements, double length, double angle) {
     Strand strand = MakeStrand(AppendixB()[0], length, elements);
     for (int Q = 0; Q < elements; ++Q) {

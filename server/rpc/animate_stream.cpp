@@ -35,7 +35,6 @@ void AnimateStream::OnReadDone(bool ok) {
   v1::AnimateRequest request;
   {
     std::lock_guard lock(mutex_);
-    reading_ = false;
     if (finished_ || status_) return;
     if (!ok) {
       half_closed_ = true;
@@ -43,9 +42,12 @@ void AnimateStream::OnReadDone(bool ok) {
       return;
     }
   }
+  // `reading_` stays set meanwhile: no other thread may start the next read into `incoming_`, nor
+  // hand over the next message before this one.
   Result<void> handled = Parse(&incoming_, &request);
   if (handled) handled = Handle(request);
   std::lock_guard lock(mutex_);
+  reading_ = false;
   if (!handled) return CloseLocked(ToStatus(handled.error()));
   ReadOnLocked();
 }

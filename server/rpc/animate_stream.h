@@ -68,7 +68,7 @@ class AnimateStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grp
   std::deque<v1::AnimateResponse> messages_;  // Opened and notices, before frames.
   bool open_asked_ = false;
   bool opening_ = false;
-  bool reading_ = false;
+  bool reading_ = false;      // From StartRead() until the message is handled.
   bool writing_ = false;
   bool half_closed_ = false;  // The client has said all.
   bool broken_ = false;       // The peer is gone: the head may be resumed.

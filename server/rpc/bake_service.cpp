@@ -67,10 +67,10 @@ class BakeFrames {
 }  // namespace
 
 BakeService::BakeService(GroomLibrary& grooms, jobs::Queue& queue, storage::JobStore& store,
-                         exec::WorkerPool& pool, exec::WorkerPool& requests)
+                         exec::WorkerPool& solving, exec::WorkerPool& requests)
     : grooms_(grooms), queue_(queue), store_(store), requests_(requests) {
-  queue_.RegisterRunner(kKind, [this, &pool](const storage::JobRecord&, jobs::JobContext& context) {
-    return RunBake(grooms_, pool, context);
+  queue_.RegisterRunner(kKind, [this, &solving](const storage::JobRecord&, jobs::JobContext& context) {
+    return RunBake(grooms_, solving, context);
   });
 }
 

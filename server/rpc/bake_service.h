@@ -13,9 +13,9 @@ namespace mane::rpc {
 /// mane.v1.BakeService: submits bakes, which run as jobs of kind `bake`, and reads their frames.
 class BakeService final : public v1::BakeService::CallbackService {
  public:
-  /// Registers the runner; bakes advance on `pool`, other work runs on `requests`.
+  /// Registers the runner; bakes advance on `solving`, other work runs on `requests`.
   BakeService(GroomLibrary& grooms, jobs::Queue& queue, storage::JobStore& store,
-              exec::WorkerPool& pool, exec::WorkerPool& requests);
+              exec::WorkerPool& solving, exec::WorkerPool& requests);
 
   grpc::ServerUnaryReactor* BakeAnimation(grpc::CallbackServerContext* context,
                                           const v1::BakeAnimationRequest* request,

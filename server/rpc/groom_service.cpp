@@ -23,14 +23,14 @@ constexpr int kDefaultPageSize = 100;
 // Reads an upload message by message. Owns itself until OnDone().
 class CreateGroomCall final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
  public:
-  CreateGroomCall(GroomLibrary& library, exec::WorkerPool& requests, grpc::ByteBuffer* response)
-      : requests_(requests), upload_(library), response_(response) {
+  CreateGroomCall(GroomLibrary& library, exec::WorkerPool& solving, grpc::ByteBuffer* response)
+      : solving_(solving), upload_(library), response_(response) {
     StartRead(&incoming_);
   }
 
   void OnReadDone(bool ok) override {
     // Checking and solving are work for a worker; the next read starts when it is done.
-    requests_.Post([this, ok] {
+    solving_.Post([this, ok] {
       try {
         if (ok) {
           Take();
@@ -64,7 +64,7 @@ class CreateGroomCall final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
     Finish(grpc::Status::OK);
   }
 
-  exec::WorkerPool& requests_;
+  exec::WorkerPool& solving_;
   GroomUpload upload_;
   grpc::ByteBuffer incoming_;
   grpc::ByteBuffer* const response_;
@@ -146,7 +146,7 @@ class ExportParts {
 
 grpc::ServerReadReactor<grpc::ByteBuffer>* GroomService::CreateGroom(
     grpc::CallbackServerContext* /*context*/, grpc::ByteBuffer* response) {
-  return new CreateGroomCall(library_, requests_, response);
+  return new CreateGroomCall(library_, solving_, response);
 }
 
 grpc::ServerUnaryReactor* GroomService::GetGroom(grpc::CallbackServerContext* context,
@@ -196,10 +196,10 @@ grpc::ServerWriteReactor<v1::ExportGroomResponse>* GroomService::ExportGroom(
 grpc::ServerUnaryReactor* GroomService::ComputeRestShape(
     grpc::CallbackServerContext* context, const v1::ComputeRestShapeRequest* request,
     v1::ComputeRestShapeResponse* response) {
-  return Answer(context, requests_, [this, request, response]() -> Result<void> {
+  return Answer(context, solving_, [this, request, response]() -> Result<void> {
     const auto groom = library_.Load(request->name(), "name");
     if (!groom) return groom.error();
-    return ComputeRest(**groom, *request, requests_, response);
+    return ComputeRest(**groom, *request, solving_, response);
   });
 }
 

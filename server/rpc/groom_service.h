@@ -15,11 +15,12 @@ using GroomServiceBase = v1::GroomService::WithRawCallbackMethod_CreateGroom<
                 v1::GroomService::WithCallbackMethod_ComputeRestShape<
                     v1::GroomService::Service>>>>>>;
 
-/// mane.v1.GroomService over a GroomLibrary. Work runs on `requests`.
+/// mane.v1.GroomService over a GroomLibrary. Quick work runs on `requests`; uploads and rest shapes,
+/// which may take a minute, on `solving`.
 class GroomService final : public GroomServiceBase {
  public:
-  GroomService(GroomLibrary& library, exec::WorkerPool& requests)
-      : library_(library), requests_(requests) {}
+  GroomService(GroomLibrary& library, exec::WorkerPool& requests, exec::WorkerPool& solving)
+      : library_(library), requests_(requests), solving_(solving) {}
 
   grpc::ServerReadReactor<grpc::ByteBuffer>* CreateGroom(grpc::CallbackServerContext* context,
                                                          grpc::ByteBuffer* response) override;
@@ -41,6 +42,7 @@ class GroomService final : public GroomServiceBase {
  private:
   GroomLibrary& library_;
   exec::WorkerPool& requests_;
+  exec::WorkerPool& solving_;
 };
 
 }  // namespace mane::rpc

@@ -16,6 +16,7 @@ using Eigen::Vector3d;
 
 constexpr int kDefaultPoints = 16;
 constexpr double kMaxGravity = 1000;
+constexpr size_t kMaxAnswer = 64 << 20;
 
 std::string Bytes(const auto& numbers) {
   return {reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(numbers[0])};
@@ -43,7 +44,15 @@ Result<void> ComputeRest(const groom::Groom& groom, const v1::ComputeRestShapeRe
     points = static_cast<int>(request.points_per_guide());
   }
 
-  std::vector<Vector3d> positions(static_cast<size_t>(groom.guide_count()) * points);
+  const size_t total = static_cast<size_t>(groom.guide_count()) * points;
+  if (total * sizeof(Vector3d) > kMaxAnswer) {
+    return Error{ErrorCode::kResourceExhausted,
+                 fmt::format("{} guides of points_per_guide {} need {} bytes; at most {} are "
+                             "allowed",
+                             groom.guide_count(), points, total * sizeof(Vector3d), kMaxAnswer),
+                 "points_per_guide"};
+  }
+  std::vector<Vector3d> positions(total);
   std::vector<Vector3d> curvatures(groom.element_count());
   std::vector<double> residuals(groom.guide_count());
   pool.ParallelFor(groom.guide_count(), 1, [&](int guide, int) {

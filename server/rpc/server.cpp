@@ -21,8 +21,10 @@
 namespace mane::rpc {
 namespace {
 
-// Threads for requests that read the disk or solve: they must not hold up the animation.
+// Threads for requests that read the disk, and for those that compute for long: neither may hold up
+// the animation, nor the second the first.
 constexpr int kRequestWorkers = 2;
+constexpr int kSolvingWorkers = 2;
 // How often a draining server looks whether the heads have gone.
 constexpr auto kDrainPoll = std::chrono::milliseconds(50);
 // How long streams get to end once they were told to.
@@ -39,13 +41,14 @@ class RunningServer final : public Server {
         job_store_(std::move(job_store)),
         pool_(options.workers),
         requests_(kRequestWorkers),
-        grooms_(*groom_store_, pool_, GroomLimits(options)),
+        solving_(kSolvingWorkers),
+        grooms_(*groom_store_, solving_, GroomLimits(options)),
         queue_(*job_store_, {}),
         registry_({options.max_heads, options.resume_grace_s}, pool_),
-        groom_service_(grooms_, requests_),
+        groom_service_(grooms_, requests_, solving_),
         animation_service_(grooms_, registry_, requests_, options.resume_grace_s),
         job_service_(queue_, requests_),
-        bake_service_(grooms_, queue_, *job_store_, pool_, requests_) {}
+        bake_service_(grooms_, queue_, *job_store_, solving_, requests_) {}
 
   ~RunningServer() override {
     Drain(0);
@@ -85,6 +88,7 @@ class RunningServer final : public Server {
     server_->Wait();
     server_.reset();
     requests_.WaitIdle();
+    solving_.WaitIdle();
   }
 
  private:
@@ -121,6 +125,7 @@ class RunningServer final : public Server {
   std::unique_ptr<storage::JobStore> job_store_;
   exec::WorkerPool pool_;
   exec::WorkerPool requests_;
+  exec::WorkerPool solving_;
   GroomLibrary grooms_;
   jobs::Queue queue_;
   session::Registry registry_;

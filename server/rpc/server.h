@@ -17,14 +17,14 @@ struct Tls {
 
 struct ServerOptions {
   std::string listen = "127.0.0.1:7420";  ///< host:port; port 0 takes a free one.
-  std::string data_dir;                   ///< Created when missing; one server at a time.
+  std::string data_dir = {};              ///< Created when missing; one server at a time.
   int workers = 2;                        ///< Threads that animate, 1 to 1024.
   int max_heads = 1000;                   ///< See session::RegistryOptions.
   int max_groom_guides = 20000;           ///< Per groom.
   double resume_grace_s = 10;             ///< See session::RegistryOptions.
   int max_message_bytes = 1 << 20;        ///< Received messages; more is RESOURCE_EXHAUSTED.
-  std::optional<Tls> tls;                 ///< Plain text without.
-  std::string token;                      ///< Clients must send `authorization: Bearer <token>`; needs TLS.
+  std::optional<Tls> tls = {};            ///< Plain text without.
+  std::string token = {};  ///< Clients must send `authorization: Bearer <token>`; needs TLS.
 };
 
 /// The whole daemon behind its port: stores, jobs, heads, services.

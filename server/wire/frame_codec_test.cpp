@@ -67,8 +67,8 @@ TEST(FrameCodec, QuantisedPositionsStayWithinTheStatedError) {
       for (int axis = 0; axis < 3; ++axis) {
         const size_t a = static_cast<size_t>(axis);
         const double box = At<float>(data, 12 + 4 * a) - double(At<float>(data, 4 * a));
-        const double rounding = 0.5 * (std::nextafter(away + 2 * extent, INFINITY) -
-                                       double(away + 2 * extent));
+        const double rounding =
+            0.5 * (std::nextafter(away + 2 * extent, INFINITY) - double(away + 2 * extent));
         for (size_t i = 0; i < 256; ++i) {
           EXPECT_LE(std::abs(double(decoded[i][axis]) - points[i][axis]),
                     box / 131070 * (1 + 1e-9) + rounding);

@@ -22,7 +22,7 @@ namespace mane::wire {
 ///
 /// Writes out.size() points at equal arc length: the first is the root, the last the tip.
 ///
-/// @param root     clamped end: takes (n0, n1, n2) coordinates to the frame the points are wanted in.
+/// @param root     clamped end: takes (n0, n1, n2) coordinates to the frame of the points.
 /// @param lengths  element lengths, root to tip [m], (N), N >= 1, each positive.
 /// @param theta    element angles [rad], (N).
 /// @param out      (points), at least 2 [m].

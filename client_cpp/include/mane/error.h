@@ -10,8 +10,8 @@ namespace mane::inline client {
 enum class ErrorCode {
   kCancelled = 1,
   kUnknown = 2,
-  kInvalidArgument = 3,     ///< The input is wrong; `Error::field` names it.
-  kDeadlineExceeded = 4,    ///< No answer in time.
+  kInvalidArgument = 3,   ///< The input is wrong; `Error::field` names it.
+  kDeadlineExceeded = 4,  ///< No answer in time.
   kNotFound = 5,
   kAlreadyExists = 6,
   kPermissionDenied = 7,

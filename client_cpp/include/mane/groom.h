@@ -28,17 +28,17 @@ struct Guide {
   /// (1, 0, 0), is the direction in which the strand leaves the scalp.
   Quaternion root_frame;
 
-  double length_m = 0;             ///< Strand length L [m], in (0, 5].
-  std::uint32_t element_count = 0; ///< N, 1 to 256; 0 when `element_lengths_m` says it.
+  double length_m = 0;              ///< Strand length L [m], in (0, 5].
+  std::uint32_t element_count = 0;  ///< N, 1 to 256; 0 when `element_lengths_m` says it.
   /// Element lengths, root to tip [m]; empty for N equal ones. They add up to `length_m`, which may
   /// be left 0.
   std::vector<double> element_lengths_m;
 
-  double radius_1_m = 0;       ///< Semi-axis of the elliptic section along n1 [m], in [1e-6, 1e-2].
-  double radius_2_m = 0;       ///< Semi-axis along n2 [m], in [1e-6, 1e-2].
-  double young_modulus_pa = 0; ///< E [Pa], in [1e4, 1e13].
-  double poisson_ratio = 0;    ///< In (-1, 0.5].
-  double density_kg_m3 = 0;    ///< [kg/m^3], in [1, 1e5]. Hair: 1300.
+  double radius_1_m = 0;  ///< Semi-axis of the elliptic section along n1 [m], in [1e-6, 1e-2].
+  double radius_2_m = 0;  ///< Semi-axis along n2 [m], in [1e-6, 1e-2].
+  double young_modulus_pa = 0;   ///< E [Pa], in [1e4, 1e13].
+  double poisson_ratio = 0;      ///< In (-1, 0.5].
+  double density_kg_m3 = 0;      ///< [kg/m^3], in [1, 1e5]. Hair: 1300.
   double internal_friction = 0;  ///< gamma of [SH06] (5d) [kg m^3/s], in [0, 1].
   double air_drag = 0;           ///< nu of [SH06] (5a) [kg/(m s)], in [0, 10].
 
@@ -52,7 +52,7 @@ struct Guide {
 /// An ellipsoid with axes along the head frame. Hair grows where the outward normal is within
 /// `cap_angle` of `cap_axis`.
 struct EllipsoidScalp {
-  Vector3 center;                  ///< [m]
+  Vector3 center = {};             ///< [m]
   Vector3 radii_m{0.1, 0.1, 0.1};  ///< [m], each in [1e-3, 10].
   Vector3 cap_axis{0, 1, 0};
   double cap_angle = 0;  ///< [rad], in (0, pi]; 0 means the whole ellipsoid.
@@ -61,14 +61,14 @@ struct EllipsoidScalp {
 /// Triangles in the head frame.
 struct TriangleMesh {
   std::vector<float> vertices;           ///< [m], (vertex, 3).
-  std::vector<std::uint32_t> triangles;  ///< Vertex indices, (triangle, 3), counter-clockwise outside.
+  std::vector<std::uint32_t> triangles;  ///< Indices, (triangle, 3), counter-clockwise outside.
   std::vector<std::uint32_t> hair_triangles;  ///< Where hair grows; empty means everywhere.
 };
 
 /// Asks the server to place and shape guides itself.
 struct GuideGeneration {
   HairType hair_type = HairType::kUnspecified;  ///< Required.
-  std::uint32_t guide_count = 0;    ///< 1 to the server's limit, by blue noise over the hair region.
+  std::uint32_t guide_count = 0;    ///< 1 to the server's limit, blue noise over the hair region.
   double length_m = 0;              ///< [m], in (0, 5].
   std::uint32_t element_count = 0;  ///< N per guide; 0 lets the server choose.
   std::uint64_t seed = 0;           ///< Same scalp, same numbers, same seed: same bits.
@@ -103,9 +103,9 @@ struct GroomInfo {
 
 /// How the head is held for a rest shape.
 struct RestShapeOptions {
-  Quaternion head_orientation;           ///< head -> world.
-  Vector3 gravity{0, -9.81, 0};          ///< World [m/s^2].
-  std::uint32_t points_per_guide = 16;   ///< 2 to 256.
+  Quaternion head_orientation = {};     ///< head -> world.
+  Vector3 gravity{0, -9.81, 0};         ///< World [m/s^2].
+  std::uint32_t points_per_guide = 16;  ///< 2 to 256.
 };
 
 /// Static equilibrium of every guide under gravity with the head at rest.

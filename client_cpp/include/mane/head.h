@@ -56,8 +56,8 @@ struct HeadOptions {
   /// makes every frame an interpolation; 0 extrapolates.
   double pose_delay_s = 0;
   std::uint32_t max_unacked_frames = 0;  ///< kRealtime: frames on their way, 1 to 16; 0 means 3.
-  Pose initial_pose;                     ///< Where the head is before the first pose.
-  Environment environment;
+  Pose initial_pose = {};                ///< Where the head is before the first pose.
+  Environment environment = {};
 
   /// kRealtime: how long a broken stream is retried before the head closes. Pauses between tries
   /// grow from 50 ms to 2 s.
@@ -76,10 +76,10 @@ struct Frame {
   std::vector<float> positions;  ///< [m] in the chosen space, (guide, point, 3), root first.
   /// kGeneralized only: element angles (twist, bend 1, bend 2) [rad], (element of all guides, 3).
   std::vector<float> angles;
-  std::uint32_t skipped = 0;      ///< Frames that newer ones replaced since the last one sent.
-  double newest_pose_time_s = 0;  ///< Your clock: the newest pose known when it was computed.
-  double step_ms = 0;             ///< Time the server spent on computing it.
-  std::uint32_t repaired_guides = 0;  ///< Guides put back to rest; above 0 is a fault of the server.
+  std::uint32_t skipped = 0;          ///< Frames that newer ones replaced since the last one sent.
+  double newest_pose_time_s = 0;      ///< Your clock: the newest pose known when it was computed.
+  double step_ms = 0;                 ///< Time the server spent on computing it.
+  std::uint32_t repaired_guides = 0;  ///< Guides put back to rest; above 0 is a server fault.
 };
 
 enum class HeadState {
@@ -102,12 +102,12 @@ class HeadStream;
 
 /// One animated head, for a game loop.
 ///
-/// Every method may be called from any thread. None but Step(), StepTeleport(), WaitUntilStreaming()
-/// and Close() ever waits, and none waits for the network while it holds up another thread.
-/// Consumed frames are acknowledged to the server by themselves, with the next message or shortly
-/// after. In kRealtime a broken stream (UNAVAILABLE, CANCELLED, UNKNOWN) is resumed by itself; when
-/// the server no longer knows the head, it is opened anew at the newest pose. A reset or teleport
-/// that was on its way when the stream broke may be lost. In kLockstep any error closes the head.
+/// Every method may be called from any thread. None but Step(), StepTeleport(),
+/// WaitUntilStreaming(), Close() and the destructor ever waits for the network. Frames that were
+/// taken are acknowledged to the server by themselves, with the next message or shortly after. In
+/// kRealtime a broken stream (UNAVAILABLE, CANCELLED, UNKNOWN) is resumed by itself; when the
+/// server no longer knows the head, it is opened anew at the newest pose. A reset or teleport that
+/// was on its way when the stream broke may be lost. In kLockstep any error closes the head.
 class Head {
  public:
   Head(Head&&) noexcept;
@@ -138,8 +138,8 @@ class Head {
   /// kRealtime: the newest frame; null before the first, and the same one until the next arrives.
   std::shared_ptr<const Frame> NewestFrame();
 
-  /// kLockstep: sends one pose and waits for its frame, at most HeadOptions::step_timeout; a timeout
-  /// closes the head, whose state would be unknown. Errors otherwise as PushPose().
+  /// kLockstep: sends one pose and waits for its frame, at most HeadOptions::step_timeout, which
+  /// closes the head, for its state would be unknown. Errors otherwise as PushPose().
   Result<std::shared_ptr<const Frame>> Step(double time_s, const Pose& pose);
 
   /// kLockstep: Teleport() and its frame.

@@ -8,6 +8,7 @@ async with mane.aio.Client() as client:
 
 from __future__ import annotations
 
+import asyncio
 import os
 import time
 from collections.abc import AsyncIterator, Iterable
@@ -18,7 +19,8 @@ from grpc import aio
 from grpc_health.v1 import health_pb2, health_pb2_grpc
 
 from mane import channel, jobs, messages, stream
-from mane.aio_heads import Head, LockstepHead, RealtimeHead, connect
+from mane import client as blocking
+from mane.aio_heads import Head, LockstepHead, RealtimeHead, open_head
 from mane.client import Status
 from mane.frames import Frame, FrameFormat, Space
 from mane.groom import Ellipsoid, Groom, Guide, GuideGeneration, RestShape
@@ -30,7 +32,6 @@ from mane.pose import Environment
 from mane.stream import Pacing
 from mane.v1 import (
     animation_pb2,
-    animation_pb2_grpc,
     bake_pb2,
     bake_pb2_grpc,
     groom_pb2,
@@ -57,14 +58,18 @@ class Client:
         self.server = channel.resolve_server(server)
         self._timeout_s = timeout_s
         self._channel = channel.open_channel(aio, self.server, tls, ca_file, token)
+        # For calls that stream to the server; mane.aio_heads says why.
+        self._blocking = blocking.Client(
+            server, tls=tls, ca_file=ca_file, token=token, timeout_s=timeout_s
+        )
         self._health = health_pb2_grpc.HealthStub(self._channel)
         self._grooms = groom_pb2_grpc.GroomServiceStub(self._channel)
-        self._animation = animation_pb2_grpc.AnimationServiceStub(self._channel)
         self._bakes = bake_pb2_grpc.BakeServiceStub(self._channel)
         self._jobs = job_pb2_grpc.JobServiceStub(self._channel)
 
     async def close(self) -> None:
         await self._channel.close()
+        await asyncio.to_thread(self._blocking.close)
 
     async def __aenter__(self) -> Client:
         return self
@@ -90,10 +95,14 @@ class Client:
         display_name: str = "",
     ) -> Groom:
         """As `mane.Client.create_groom`."""
-        header = messages.create_header(groom_id, display_name, generate)
-        requests = messages.create_groom(header, guides, scalp)
-        answer = await self._call(self._grooms.CreateGroom, requests, patience=10)
-        return messages.from_groom(answer)
+        return await asyncio.to_thread(
+            self._blocking.create_groom,
+            guides,
+            scalp=scalp,
+            generate=generate,
+            groom_id=groom_id,
+            display_name=display_name,
+        )
 
     async def get_groom(self, groom: Groom | str) -> Groom:
         """As `mane.Client.get_groom`."""
@@ -142,10 +151,7 @@ class Client:
         self, groom: Groom | str, pacing: Pacing | str, **options
     ) -> AsyncIterator[LockstepHead | RealtimeHead]:
         """As `mane.Client.open_head`, for `async with`."""
-        name = messages.resource_name("grooms", groom)
-        request = stream.open_head(name, pacing, **options)
-        strands = await self._strands(groom, request.format)
-        head = await connect(self._animation, self.server, request, strands)
+        head = await open_head(lambda: self._blocking.open_head(groom, pacing, **options))
         try:
             yield head
         except BaseException:

@@ -1,241 +1,127 @@
-"""Heads of hair for asyncio: `mane.heads` with `await`, for one event loop."""
+"""Heads of hair for asyncio: `mane.heads` with `await`, for one event loop.
+
+The streams are those of `mane.heads`, on threads, and not of gRPC's asyncio API: there a write that
+fails while the server ends the stream hides the status that the server gave
+(https://github.com/grpc/grpc/issues/36066), and with it what was wrong or that it can be resumed.
+"""
 
 from __future__ import annotations
 
 import asyncio
-import time
-from collections.abc import AsyncIterator, Iterable
+import contextlib
+from collections.abc import AsyncIterator, Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
 
-import grpc
-
-from mane import channel, messages, stream
-from mane.errors import DeadlineExceeded, Error, FailedPrecondition, Unavailable
+from mane import heads, stream
+from mane.errors import DeadlineExceeded, Error
 from mane.frames import Frame
-from mane.heads import CLOSE_TIMEOUT_S, OPEN_TIMEOUT_S
-from mane.helix import Strands
 from mane.motion import Motion
-from mane.outbox import AsyncFeed, AsyncOutbox
 from mane.pose import Environment, Pose
-from mane.v1 import animation_pb2
-
-Request = animation_pb2.AnimateRequest
-
-
-class _Connection:
-    """One Animate call."""
-
-    def __init__(self, stub, server: str, outbox: AsyncOutbox, first: Request):
-        self._server = server
-        self._feed = AsyncFeed(outbox, first)
-        self._call = stub.Animate(self._feed)
-
-    async def open(self, timeout_s: float) -> animation_pb2.Opened:
-        """Waits for the server's first answer. Raises `Error`."""
-        try:
-            response = await asyncio.wait_for(self.receive(), timeout_s)
-        except TimeoutError:
-            self.abandon()
-            message = f"{self._server} did not answer within {timeout_s:g} s"
-            raise DeadlineExceeded(message) from None
-        except BaseException:
-            self.abandon()
-            raise
-        if response is None or response.WhichOneof("kind") != "opened":
-            self.abandon()
-            raise Unavailable(f"{self._server} did not open the head; is it a maned?")
-        return response.opened
-
-    async def receive(self) -> animation_pb2.AnimateResponse | None:
-        """The next answer, or None where the server has ended the stream. Raises `Error`."""
-        try:
-            response = await self._call.read()
-        except grpc.RpcError as error:
-            raise channel.translate(error, self._server) from error
-        return None if response is grpc.aio.EOF else response
-
-    def half_close(self) -> None:
-        """Tells the server that nothing more comes; it then ends the stream."""
-        self._feed.close()
-
-    def abandon(self) -> None:
-        self._feed.abandon()
-        self._call.cancel()
-
-
-async def connect(stub, server: str, open_head, strands: Strands | None):
-    """Opens a head; a `LockstepHead` or a `RealtimeHead`, as `open_head.pacing` says."""
-    acknowledger = stream.Acknowledger(open_head.max_unacked_frames)
-    lockstep = open_head.pacing == animation_pb2.PACING_LOCKSTEP
-    if lockstep:
-        outbox = AsyncOutbox()
-    else:
-        outbox = AsyncOutbox(pose_limit=stream.POSE_LIMIT, stamp=acknowledger.stamp)
-    connection = _Connection(stub, server, outbox, Request(open=open_head))
-    opened = await connection.open(OPEN_TIMEOUT_S)
-    receiver = stream.Receiver(opened, strands)
-    if lockstep:
-        return LockstepHead(server, outbox, connection, receiver)
-    return RealtimeHead(server, outbox, connection, receiver, stub, acknowledger)
 
 
 class Head:
-    """What both kinds of heads have in common; as `mane.heads.Head`."""
+    """What both kinds of heads have in common; as `mane.heads.Head`.
 
-    def __init__(self, server: str, outbox: AsyncOutbox, connection: _Connection, receiver):
-        self._server = server
-        self._outbox = outbox
-        self._connection = connection
-        self._receiver = receiver
-        self._failure: Error | None = None
-        self._failure_raised = False
-        self._closed = False
-        self.name = receiver.opened.head
-        self.guide_count = receiver.opened.guide_count
-        self.element_count = receiver.opened.element_count
-        self.points_per_guide = receiver.opened.points_per_guide
+    Args:
+      head: what it stands for.
+      worker: a thread of its own for what blocks; done with when the head is closed.
+    """
+
+    def __init__(self, head: heads.Head, worker: ThreadPoolExecutor):
+        self._head = head
+        self._worker = worker
+        self.name = head.name
+        self.guide_count = head.guide_count
+        self.element_count = head.element_count
+        self.points_per_guide = head.points_per_guide
 
     @property
     def notices(self) -> tuple[stream.Notice, ...]:
         """The newest hundred things that the server wanted to be known, oldest first."""
-        return tuple(self._receiver.notices)
+        return self._head.notices
 
     def reset(self) -> None:
         """Puts the hair to its rest shape with no velocity, from the next frame on."""
-        self._send(Request(reset=animation_pb2.ResetHead()))
+        self._head.reset()
 
     def set_environment(self, environment: Environment) -> None:
         """Changes wind, gravity or damping from the next step on; None leaves a value as it is."""
-        self._send(Request(environment=messages.environment(environment)))
+        self._head.set_environment(environment)
 
     async def close(self, quiet: bool = False) -> None:
         """Closes the head; the server forgets it. `quiet`: raises nothing."""
+        if self._head.closed:
+            return
+        loop = asyncio.get_running_loop()
+        closing = loop.run_in_executor(self._worker, self._head.close)
         try:
-            await self._close()
+            # Closing has a time limit of its own, but a frame may be waited for before it.
+            _, late = await asyncio.wait([closing], timeout=2 * heads.CLOSE_TIMEOUT_S)
+            if late:
+                self._head.abandon()
+            await closing
         except Error:
             if not quiet:
                 raise
+        finally:
+            self._worker.shutdown(wait=False)
 
-    def _send(self, request: Request) -> None:
-        self._require_open()
-        self._outbox.put(request)
-
-    def _require_sound(self) -> None:
-        """Raises what ended the stream, if something did."""
-        if self._failure is not None:
-            self._failure_raised = True
-            raise self._failure
-
-    def _require_open(self) -> None:
-        self._require_sound()
-        if self._closed:
-            raise FailedPrecondition(f"{self.name} is closed")
+    async def _run(self, work: Callable, *arguments):
+        """The result of blocking work; pieces of it run one after the other."""
+        self._head.require_open()
+        return await asyncio.get_running_loop().run_in_executor(self._worker, work, *arguments)
 
 
 class LockstepHead(Head):
     """A head that makes one frame from each pose. For one task at a time."""
 
-    def __init__(self, server, outbox, connection, receiver):
-        super().__init__(server, outbox, connection, receiver)
-        self._last_index = receiver.opened.next_frame - 1
-
     async def step(self, pose: Pose) -> Frame:
         """Moves the head to `pose`, whose time must be later than the last one's."""
-        return await self._frame(self._push(pose))
+        return await self._run(self._head.wait_for, self._head.send(pose))
 
     async def teleport(self, pose: Pose) -> Frame:
         """Moves head and hair together without dynamics, as in a cut."""
-        return await self._frame(self._send_counted(Request(teleport=messages.head_pose(pose))))
+        return await self._run(self._head.wait_for, self._head.send_teleport(pose))
 
     async def play(
         self, motion: Motion | Iterable[Pose], in_flight: int = 8
     ) -> AsyncIterator[Frame]:
         """One frame for each pose of `motion`, in order; as `mane.heads.LockstepHead.play`."""
-        first = self._last_index + 1
-        for pose in motion.poses() if isinstance(motion, Motion) else motion:
-            if self._push(pose) - first + 1 >= in_flight:
-                yield await self._frame(first)
-                first += 1
-        while first <= self._last_index:
-            yield await self._frame(first)
-            first += 1
-
-    async def _close(self) -> None:
-        if self._closed:
-            return
-        self._closed = True
-        if self._failure is not None:
-            self._connection.abandon()
-            return
-        self._connection.half_close()
-        try:
-            async with asyncio.timeout(CLOSE_TIMEOUT_S):
-                while await self._connection.receive() is not None:
-                    pass  # Frames that nobody asked for any more.
-        except TimeoutError:
-            self._connection.abandon()
-
-    def _push(self, pose: Pose) -> int:
-        return self._send_counted(Request(pose=messages.head_pose(pose)))
-
-    def _send_counted(self, request: Request) -> int:
-        """Sends a message that yields a frame; returns the frame's index."""
-        self._send(request)
-        self._last_index += 1
-        return self._last_index
-
-    async def _frame(self, index: int) -> Frame:
-        """Receives up to the frame of that index; drops those of a `play` that was left early."""
-        self._require_open()
-        try:
-            while True:
-                response = await self._connection.receive()
-                if response is None:
-                    raise Unavailable(f"{self._server} ended the stream of {self.name}")
-                frame = self._receiver.accept(response)
-                if frame is not None and frame.index >= index:
-                    return frame
-        except Error as error:
-            self._failure = error
-            raise
+        frames = self._head.play(motion, in_flight)
+        while (frame := await self._run(next, frames, None)) is not None:
+            yield frame
 
 
 class RealtimeHead(Head):
-    """A head that the server animates by its own clock; as `mane.heads.RealtimeHead`.
+    """A head that the server animates by its own clock; as `mane.heads.RealtimeHead`."""
 
-    A task of its own receives frames, acknowledges them and resumes a broken stream.
-    """
-
-    def __init__(self, server, outbox, connection, receiver, stub, acknowledger):
-        super().__init__(server, outbox, connection, receiver)
-        self._stub = stub
-        self._acknowledger = acknowledger
-        self._environment = stream.EnvironmentMemory()
-        self._selector = stream.FrameSelector(receiver.opened.next_frame)
-        self._resumptions = 0
+    def __init__(self, head: heads.RealtimeHead, worker: ThreadPoolExecutor):
+        super().__init__(head, worker)
         self._changed = asyncio.Event()
-        self._task = asyncio.create_task(self._run(), name=self.name)
+        loop = asyncio.get_running_loop()
+
+        def wake() -> None:
+            with contextlib.suppress(RuntimeError):  # The loop has ended.
+                loop.call_soon_threadsafe(self._changed.set)
+
+        head.on_change(wake)
 
     @property
     def resumptions(self) -> int:
         """How often a broken connection was mended."""
-        return self._resumptions
+        return self._head.resumptions
 
     def push(self, pose: Pose) -> None:
         """Tells where the head is at a moment of your clock, later than the last."""
-        self._send(Request(pose=messages.head_pose(pose)))
+        self._head.push(pose)
 
     def teleport(self, pose: Pose) -> None:
         """Moves head and hair together without dynamics, as in a cut."""
-        self._send(Request(teleport=messages.head_pose(pose)))
-
-    def set_environment(self, environment: Environment) -> None:
-        self._environment.add(messages.environment(environment))
-        super().set_environment(environment)
+        self._head.teleport(pose)
 
     def newest(self) -> Frame | None:
         """The newest frame that has arrived, None before the first; perhaps the same again."""
-        self._require_sound()
-        return self._selector.take()
+        return self._head.newest()
 
     async def frames(self, timeout_s: float | None = 10.0) -> AsyncIterator[Frame]:
         """Waits for each next frame, always the newest one; ends when the head is closed.
@@ -245,93 +131,33 @@ class RealtimeHead(Head):
         while True:
             try:
                 async with asyncio.timeout(timeout_s):
-                    while not (self._selector.fresh or self._failure or self._closed):
-                        self._changed.clear()
+                    while (frame := self._head.next_frame()) is None and not self._head.closed:
                         await self._changed.wait()
+                        self._changed.clear()
             except TimeoutError:
                 message = f"{self.name} sent no frame for {timeout_s:g} s"
                 raise DeadlineExceeded(message) from None
-            self._require_sound()
-            if self._closed:
+            if frame is None:
                 return
-            yield self._selector.take()
+            yield frame
 
-    async def _close(self) -> None:
-        if self._closed:
-            return
-        self._closed = True
-        self._changed.set()
-        self._connection.half_close()
-        _, running = await asyncio.wait([self._task], timeout=CLOSE_TIMEOUT_S)
-        if running:
-            self._connection.abandon()
-            self._task.cancel()
-            await asyncio.wait([self._task])
-        if not self._failure_raised:
-            self._require_sound()
 
-    async def _run(self) -> None:
-        """Receives until the head is closed or cannot be resumed."""
-        try:
-            while not self._closed:
-                await self._receive_all()
-        except Error as error:
-            if not (self._closed and error.code in stream.RESUMABLE):
-                self._failure = error
-        finally:
-            self._changed.set()
+async def open_head(open_blocking: Callable[[], heads.Head]) -> LockstepHead | RealtimeHead:
+    """The head that `open_blocking` opens, which is called on a thread of the head's own."""
+    worker = ThreadPoolExecutor(1, thread_name_prefix="mane-head")
+    opening = worker.submit(open_blocking)
+    try:
+        head = await asyncio.wrap_future(opening)
+    except BaseException:
+        # Cancelled, perhaps, while it was being opened: it is closed as soon as it is open.
+        opening.add_done_callback(_close_unused)
+        worker.shutdown(wait=False)
+        raise
+    kind = LockstepHead if isinstance(head, heads.LockstepHead) else RealtimeHead
+    return kind(head, worker)
 
-    async def _receive_all(self) -> None:
-        """Receives until the stream breaks, then resumes it, or until it ends."""
-        broken = Unavailable(f"{self._server} ended the stream of {self.name}")
-        try:
-            while (response := await self._connection.receive()) is not None:
-                self._accept(response)
-        except Error as error:
-            broken = error
-        self._connection.abandon()
-        if self._closed:
-            return
-        if broken.code not in stream.RESUMABLE:
-            raise broken
-        await self._resume(broken)
 
-    def _accept(self, response: animation_pb2.AnimateResponse) -> None:
-        frame = self._receiver.accept(response)
-        if frame is None:
-            return
-        if self._acknowledger.received(frame.index):
-            self._outbox.put(Request(acknowledge=animation_pb2.Acknowledge()))
-        self._selector.offer(frame)
-        self._changed.set()
-
-    async def _resume(self, broken: Error) -> None:
-        """Opens the head again, trying for as long as the server keeps it. Raises `Error`."""
-        old = self._receiver.opened
-        deadline = time.monotonic() + old.resume_grace_s
-        for delay in stream.resume_delays():
-            first = Request(open=animation_pb2.OpenHead(resume=old.resume_token))
-            connection = _Connection(self._stub, self._server, self._outbox, first)
-            try:
-                opened = await connection.open(max(1.0, deadline - time.monotonic()))
-                break
-            except Error as error:
-                if error.code not in (*stream.RESUMABLE, "DEADLINE_EXCEEDED"):
-                    raise
-            left = deadline - time.monotonic()
-            if left <= 0:
-                raise broken
-            await asyncio.sleep(min(delay, left))
-            if self._closed:
-                return
-        self._adopt(connection, opened)
-
-    def _adopt(self, connection: _Connection, opened: animation_pb2.Opened) -> None:
-        self._connection = connection
-        self._receiver.opened = opened
-        self._resumptions += 1
-        repeat = self._environment.request()
-        if repeat is not None:
-            self._outbox.put_first(repeat)
-        if self._closed:
-            connection.half_close()
+def _close_unused(opening) -> None:
+    if not opening.cancelled() and opening.exception() is None:
+        with contextlib.suppress(Error):
+            opening.result().close()

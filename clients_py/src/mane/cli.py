@@ -46,9 +46,11 @@ def connect(
 
     A first tour, with `maned` running on this machine:
 
-        mane status
-        mane groom create demo --hair-type caucasian_wavy --guides 200 --length 0.25
-        mane animate walk.bvh -g demo -o walk.npz --picture walk.png
+    ```
+    mane status
+    mane groom create demo --hair-type caucasian_wavy --guides 200 --length 0.25
+    mane animate walk.bvh -g demo -o walk.npz --picture walk.png
+    ```
 
     Options before the command, such as --server, hold for every command. Exit codes: 0 done,
     1 failed, 2 wrong usage.
@@ -64,8 +66,10 @@ def status(context: typer.Context) -> None:
 
     Examples:
 
-        mane status
-        mane --server render-3:7420 status
+    ```
+    mane status
+    mane --server render-3:7420 status
+    ```
 
     Exits with 1 where none answers or it does not serve.
     """

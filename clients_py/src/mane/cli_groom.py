@@ -13,7 +13,7 @@ from mane.client import Client
 from mane.convert import UNITS_M
 from mane.errors import InvalidArgument
 from mane.groom import Groom, GuideGeneration, HairType
-from mane.progress import out, waiting
+from mane.progress import listing, out, waiting
 
 app = typer.Typer(
     no_args_is_help=True, rich_markup_mode="markdown", help="Make and look after hair."
@@ -51,9 +51,13 @@ def create(
 ) -> None:
     """Grow hair on a head and keep it on the server.
 
+    Examples:
+
+    ```
     mane groom create demo
     mane groom create afro --hair-type african_fuzzy --length 0.1 --guides 400
     mane groom create anna --scalp body.obj --group body --unit dm
+    ```
     """
     client: Client = context.obj
     if unit not in UNITS_M:
@@ -76,9 +80,13 @@ def create(
 def list_(context: typer.Context) -> None:
     """List all grooms.
 
+    Examples:
+
+    ```
     mane groom list
+    ```
     """
-    table = Table("name", "hair", "guides", "elements", "longest", "created", "title", box=None)
+    table = listing("name", "hair", "guides", "elements", "longest", "created", "title")
     for groom in context.obj.list_grooms():
         table.add_row(
             groom.name,
@@ -98,7 +106,11 @@ def show(
 ) -> None:
     """Show one groom.
 
+    Examples:
+
+    ```
     mane groom show demo
+    ```
     """
     found = context.obj.get_groom(groom)
     table = Table(box=None, show_header=False)
@@ -126,8 +138,12 @@ def delete(
 ) -> None:
     """Delete grooms. Heads that show them go on.
 
+    Examples:
+
+    ```
     mane groom delete demo
     mane groom delete afro anna
+    ```
     """
     for groom in grooms:
         context.obj.delete_groom(groom)

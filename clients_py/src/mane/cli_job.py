@@ -8,7 +8,7 @@ import typer
 from rich.table import Table
 
 from mane.jobs import Job
-from mane.progress import out
+from mane.progress import listing, out
 
 app = typer.Typer(no_args_is_help=True, rich_markup_mode="markdown", help="Follow long work.")
 
@@ -19,9 +19,13 @@ _Name = Annotated[str, typer.Argument(help="Name, as `mane job list` says it.")]
 def list_(context: typer.Context) -> None:
     """List all jobs, newest first.
 
+    Examples:
+
+    ```
     mane job list
+    ```
     """
-    table = Table("name", "kind", "state", "progress", "created", "what", box=None)
+    table = listing("name", "kind", "state", "progress", "created", "what")
     for job in context.obj.list_jobs():
         table.add_row(
             job.name, job.kind, job.state, f"{job.progress:.0%}", _moment(job.create_time),
@@ -34,7 +38,11 @@ def list_(context: typer.Context) -> None:
 def show(context: typer.Context, job: _Name) -> None:
     """Show one job.
 
+    Examples:
+
+    ```
     mane job show 3f2a
+    ```
     """
     _print(context.obj.get_job(job))
 
@@ -43,7 +51,11 @@ def show(context: typer.Context, job: _Name) -> None:
 def cancel(context: typer.Context, job: _Name) -> None:
     """Stop a job. One that has ended stays as it is.
 
+    Examples:
+
+    ```
     mane job cancel 3f2a
+    ```
     """
     _print(context.obj.cancel_job(job))
 

@@ -73,9 +73,11 @@ def animate(
 
     Examples:
 
-        mane animate walk.bvh -g demo -o walk.npz
-        mane animate walk.bvh -g demo -o walk.npz --picture walk.png --rate 120
-        mane animate nod.csv -g demo -o nod.npz --points 32 --format generalized
+    ```
+    mane animate walk.bvh -g demo -o walk.npz
+    mane animate walk.bvh -g demo -o walk.npz --picture walk.png --rate 120
+    mane animate nod.csv -g demo -o nod.npz --points 32 --format generalized
+    ```
 
     The .npz file holds times_s (frame), positions (frame, guide, point, 3) in world metres, and
     head_positions and head_orientations (x, y, z, w) of every frame. A CSV file has the columns
@@ -112,8 +114,10 @@ def bake(
 
     Examples:
 
-        mane bake walk.bvh -g demo -o walk.npz
-        mane bake dance.csv -g demo -o dance.npz --picture dance.png --substeps 4
+    ```
+    mane bake walk.bvh -g demo -o walk.npz
+    mane bake dance.csv -g demo -o dance.npz --picture dance.png --substeps 4
+    ```
 
     The same frames as `mane animate`, but the work survives a restart of the server; `mane job`
     follows and cancels it. Interrupting this command cancels the job.

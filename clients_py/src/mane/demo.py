@@ -42,21 +42,24 @@ class Hair(StrEnum):
 
 @dataclass(frozen=True)
 class Kind:
-    """A hair type and how to draw it.
+    """A hair type, and how to show it.
 
-    hair_color: linear RGB. points: points along each guide that show its curls.
+    hair_color: linear RGB. tip_part: of the drawn wisps, see `Look`. points: along each guide, so
+    many that curls show. curl_variation: see `GuideGeneration`.
     """
 
     hair_type: HairType
     hair_color: tuple[float, float, float]
+    tip_part: float
     points: int
+    curl_variation: float | None = None
 
 
 KINDS = {
-    Hair.SMOOTH: Kind(HairType.ASIAN_SMOOTH, (0.030, 0.022, 0.020), 32),
-    Hair.WAVY: Kind(HairType.CAUCASIAN_WAVY, (0.180, 0.085, 0.035), 48),
-    Hair.CURLY: Kind(HairType.CAUCASIAN_CURLY, (0.120, 0.040, 0.018), 96),
-    Hair.FUZZY: Kind(HairType.AFRICAN_FUZZY, (0.040, 0.025, 0.018), 128),
+    Hair.SMOOTH: Kind(HairType.ASIAN_SMOOTH, (0.030, 0.022, 0.020), 0.6, 32),
+    Hair.WAVY: Kind(HairType.CAUCASIAN_WAVY, (0.180, 0.085, 0.035), 0.5, 48),
+    Hair.CURLY: Kind(HairType.CAUCASIAN_CURLY, (0.120, 0.040, 0.018), 0.4, 96),
+    Hair.FUZZY: Kind(HairType.AFRICAN_FUZZY, (0.040, 0.025, 0.018), 1.3, 128, 0.6),
 }
 
 
@@ -108,8 +111,10 @@ def demo(
     out_dir.mkdir(parents=True, exist_ok=True)
     with Client(server) as client:
         for name, kind in kinds.items():
-            generate = GuideGeneration(kind.hair_type, guides, length, seed=seed)
-            look = Look(hair_color=kind.hair_color, size=size)
+            generate = GuideGeneration(
+                kind.hair_type, guides, length, seed=seed, curl_variation=kind.curl_variation
+            )
+            look = Look(kind.hair_color, tip_part=kind.tip_part, size=size)
             positions = animate(client, scalp, generate, track, kind.points, substeps, name)
             stem = f"{head.stem if head else 'mannequin'}-{Path(motion).stem}-{name}"
             title = f"{name}, {100 * length:g} cm, {guides} guides, {Path(motion).stem}"

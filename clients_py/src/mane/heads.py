@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 
 import grpc
@@ -30,7 +30,10 @@ class _Connection:
     def __init__(self, stub, server: str, outbox: Outbox, first: Request, timeout_s: float):
         self._server = server
         self._feed = Feed(outbox, first)
-        self._call = stub.Animate(self._feed)
+        try:
+            self._call = stub.Animate(self._feed)
+        except ValueError as error:  # gRPC's word for a closed channel.
+            raise FailedPrecondition(f"the client of {server} is closed") from error
         try:
             with self.time_limit(timeout_s):
                 response = self.receive()
@@ -116,9 +119,18 @@ class Head:
         """Changes wind, gravity or damping from the next step on; None leaves a value as it is."""
         self._send(Request(environment=messages.environment(environment)))
 
+    @property
+    def closed(self) -> bool:
+        """Whether `close` was called."""
+        return self._closed
+
     def close(self) -> None:
         """Closes the head; the server forgets it. May be called twice."""
         raise NotImplementedError
+
+    def abandon(self) -> None:
+        """Breaks the connection at once, from any thread; what waits for it fails."""
+        self._connection.abandon()
 
     def __enter__(self):
         return self
@@ -131,7 +143,7 @@ class Head:
                 raise
 
     def _send(self, request: Request) -> None:
-        self._require_open()
+        self.require_open()
         self._outbox.put(request)
 
     def _require_sound(self) -> None:
@@ -140,7 +152,8 @@ class Head:
             self._failure_raised = True
             raise self._failure
 
-    def _require_open(self) -> None:
+    def require_open(self) -> None:
+        """Raises what ended the stream, and FailedPrecondition where the head was closed."""
         self._require_sound()
         if self._closed:
             raise FailedPrecondition(f"{self.name} is closed")
@@ -155,11 +168,11 @@ class LockstepHead(Head):
 
     def step(self, pose: Pose) -> Frame:
         """Moves the head to `pose`, whose time must be later than the last one's."""
-        return self._frame(self._push(pose))
+        return self.wait_for(self.send(pose))
 
     def teleport(self, pose: Pose) -> Frame:
         """Moves head and hair together without dynamics, as in a cut."""
-        return self._frame(self._send_counted(Request(teleport=messages.head_pose(pose))))
+        return self.wait_for(self.send_teleport(pose))
 
     def play(self, motion: Motion | Iterable[Pose], in_flight: int = 8) -> Iterator[Frame]:
         """One frame for each pose of `motion`, in order.
@@ -169,11 +182,11 @@ class LockstepHead(Head):
         """
         first = self._last_index + 1
         for pose in motion.poses() if isinstance(motion, Motion) else motion:
-            if self._push(pose) - first + 1 >= in_flight:
-                yield self._frame(first)
+            if self.send(pose) - first + 1 >= in_flight:
+                yield self.wait_for(first)
                 first += 1
         while first <= self._last_index:
-            yield self._frame(first)
+            yield self.wait_for(first)
             first += 1
 
     def close(self) -> None:
@@ -188,8 +201,13 @@ class LockstepHead(Head):
             while self._connection.receive() is not None:
                 pass  # Frames that nobody asked for any more.
 
-    def _push(self, pose: Pose) -> int:
+    def send(self, pose: Pose) -> int:
+        """Sends a pose without waiting for its frame; returns the frame's index."""
         return self._send_counted(Request(pose=messages.head_pose(pose)))
+
+    def send_teleport(self, pose: Pose) -> int:
+        """`send` for a teleport."""
+        return self._send_counted(Request(teleport=messages.head_pose(pose)))
 
     def _send_counted(self, request: Request) -> int:
         """Sends a message that yields a frame; returns the frame's index."""
@@ -197,9 +215,9 @@ class LockstepHead(Head):
         self._last_index += 1
         return self._last_index
 
-    def _frame(self, index: int) -> Frame:
-        """Receives up to the frame of that index; drops those of a `play` that was left early."""
-        self._require_open()
+    def wait_for(self, index: int) -> Frame:
+        """Waits for the frame of that index; drops those before it that nobody waited for."""
+        self.require_open()
         try:
             while True:
                 response = self._connection.receive()
@@ -230,6 +248,7 @@ class RealtimeHead(Head):
         self._changed = threading.Condition()  # Guards what is below.
         self._selector = stream.FrameSelector(self._connection.opened.next_frame)
         self._resumptions = 0
+        self._listener: Callable[[], None] = lambda: None
         self._thread = threading.Thread(target=self._run, name=self.name, daemon=True)
         self._thread.start()
 
@@ -260,6 +279,18 @@ class RealtimeHead(Head):
             self._require_sound()
             return self._selector.take()
 
+    def next_frame(self) -> Frame | None:
+        """The newest frame if it has not been given yet, else None. Never blocks."""
+        with self._changed:
+            self._require_sound()
+            return self._selector.take() if self._selector.fresh else None
+
+    def on_change(self, listener: Callable[[], None]) -> None:
+        """Calls `listener`, on another thread, when a frame has come or the head has ended."""
+        with self._changed:
+            self._listener = listener
+            listener()  # For what came before.
+
     def frames(self, timeout_s: float | None = 10.0) -> Iterator[Frame]:
         """Waits for each next frame, always the newest one; ends when the head is closed.
 
@@ -283,7 +314,7 @@ class RealtimeHead(Head):
             if self._closed:
                 return
             self._closed = True
-            self._changed.notify_all()
+            self._announce()
             self._connection.half_close()
         self._thread.join(CLOSE_TIMEOUT_S)
         if self._thread.is_alive():
@@ -291,6 +322,11 @@ class RealtimeHead(Head):
             self._thread.join()
         if not self._failure_raised:
             self._require_sound()
+
+    def _announce(self) -> None:
+        """Wakes whoever waits. `_changed` is held."""
+        self._changed.notify_all()
+        self._listener()
 
     def _run(self) -> None:
         """Receives until the head is closed or cannot be resumed."""
@@ -301,7 +337,7 @@ class RealtimeHead(Head):
             with self._changed:
                 if not (self._closed and error.code in stream.RESUMABLE):
                     self._failure = error
-                self._changed.notify_all()
+                self._announce()
 
     def _receive_all(self) -> None:
         """Receives until the stream breaks, then resumes it, or until it ends."""
@@ -326,7 +362,7 @@ class RealtimeHead(Head):
             self._outbox.put(Request(acknowledge=animation_pb2.Acknowledge()))
         with self._changed:
             self._selector.offer(frame)
-            self._changed.notify_all()
+            self._announce()
 
     def _resume(self, broken: Error) -> None:
         """Opens the head again, trying for as long as the server keeps it. Raises `Error`."""

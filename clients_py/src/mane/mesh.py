@@ -9,6 +9,7 @@ the head that this package ships, which is in that frame already.
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from importlib import resources
@@ -87,6 +88,14 @@ class Mesh:
         for corner in range(3):
             np.add.at(normals, self.triangles[:, corner], face)
         return normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
+
+    def is_closed(self) -> bool:
+        """Whether every edge joins two triangles that are wound alike, so that nothing is open."""
+        t = self.triangles.astype(np.int64)
+        start, end = t.ravel(), np.roll(t, -1, axis=1).ravel()
+        count = len(self.vertices)
+        forth, back = np.sort(start * count + end), np.sort(end * count + start)
+        return np.array_equal(forth, back) and len(np.unique(forth)) == len(forth)
 
 
 def load_obj(
@@ -242,26 +251,21 @@ def _check_indices(name: str, indices: np.ndarray, count: int) -> None:
         )
 
 
-def _trimesh():
-    """The package that reads and cuts meshes, which only some users of this one need."""
-    try:
-        import trimesh
-    except ImportError as error:
-        raise ImportError("reading meshes needs trimesh: pip install 'mane[pictures]'") from error
-    return trimesh
-
-
 def _read_groups(path: Path) -> dict:
-    trimesh = _trimesh()
+    import trimesh  # Slow to import, and only who reads or cuts meshes needs it.
+
     try:
-        loaded = trimesh.load_scene(
-            path,
-            file_type="obj",
-            process=False,
-            maintain_order=True,
-            skip_materials=True,
-            split_groups=True,
-        )
+        with warnings.catch_warnings():
+            # The parser averages texture coordinates, which may be missing and are not used here.
+            warnings.simplefilter("ignore", RuntimeWarning)
+            loaded = trimesh.load_scene(
+                path,
+                file_type="obj",
+                process=False,
+                maintain_order=True,
+                skip_materials=True,
+                split_groups=True,
+            )
     except Exception as error:  # The parser raises whatever its arrays raise.
         raise InvalidArgument.of(str(path), f"is not a readable OBJ file: {error!r}") from error
     parts = {
@@ -285,9 +289,9 @@ def _weld(points: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.nda
 
 def _cut(points, hair, rest, normal, origin) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Cuts the triangles `rest` at a plane, keeps the side of the normal, closes the openings."""
-    cut_points, cut, _ = _trimesh().intersections.slice_faces_plane(
-        points.astype(np.float64), rest, normal, origin
-    )
+    from trimesh.intersections import slice_faces_plane
+
+    cut_points, cut, _ = slice_faces_plane(points.astype(np.float64), rest, normal, origin)
     if len(cut) == 0:
         raise InvalidArgument.of(
             "mesh", f"has nothing on the side {normal} of {origin}, must reach there"

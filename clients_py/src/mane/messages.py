@@ -122,9 +122,9 @@ def from_guide(message: groom_pb2.Guide) -> Guide:
         density_kg_m3=message.density_kg_m3,
         internal_friction=message.internal_friction,
         air_drag=message.air_drag,
-        natural_twist=message.natural_twist,
-        natural_curvature_1=message.natural_curvature_1,
-        natural_curvature_2=message.natural_curvature_2,
+        natural_twist=message.natural_twist or (0.0,),
+        natural_curvature_1=message.natural_curvature_1 or (0.0,),
+        natural_curvature_2=message.natural_curvature_2 or (0.0,),
     )
 
 

@@ -1,11 +1,10 @@
-"""Messages on their way to a stream's writer, for threads and for asyncio.
+"""Messages on their way to a stream's writer thread.
 
 An outbox outlives a broken stream: what was not sent yet goes to the next one.
 """
 
 from __future__ import annotations
 
-import asyncio
 import threading
 from collections import deque
 from collections.abc import Callable
@@ -15,13 +14,17 @@ from mane.v1 import animation_pb2
 Request = animation_pb2.AnimateRequest
 
 
-class _Queue:
-    """Waiting messages, in order, and how they are stamped. Not thread-safe.
+class Outbox:
+    """Messages that wait to be sent, in order. Thread-safe.
 
     Args:
       pose_limit: from so many waiting messages on, a pose replaces the pose before it: of poses
         that a stalled connection holds back only the newest matters. None keeps all.
-      stamp: called with each message just before it is sent.
+      stamp: called with each message just before it is sent, with `changed` held.
+
+    Attributes:
+      changed: guards `messages`; notified when they change.
+      messages: what waits.
     """
 
     def __init__(
@@ -29,27 +32,17 @@ class _Queue:
         pose_limit: int | None = None,
         stamp: Callable[[Request], Request] = lambda request: request,
     ):
+        self.changed = threading.Condition()
         self.messages: deque[Request] = deque()
         self.stamp = stamp
         self._pose_limit = pose_limit
 
-    def append(self, request: Request) -> None:
-        full = self._pose_limit is not None and len(self.messages) >= self._pose_limit
-        if full and _is_pose(request) and _is_pose(self.messages[-1]):
-            self.messages.pop()
-        self.messages.append(request)
-
-
-class Outbox(_Queue):
-    """Thread-safe; see `_Queue` for the arguments."""
-
-    def __init__(self, *args, **kwargs):
-        super().__init__(*args, **kwargs)
-        self.changed = threading.Condition()
-
     def put(self, request: Request) -> None:
         with self.changed:
-            self.append(request)
+            full = self._pose_limit is not None and len(self.messages) >= self._pose_limit
+            if full and _is_pose(request) and _is_pose(self.messages[-1]):
+                self.messages.pop()
+            self.messages.append(request)
             self.changed.notify_all()
 
     def put_first(self, request: Request) -> None:
@@ -96,58 +89,6 @@ class Feed:
             if self._abandoned or not outbox.messages:
                 raise StopIteration
             return outbox.stamp(outbox.messages.popleft())
-
-
-class AsyncOutbox(_Queue):
-    """For one event loop; see `_Queue` for the arguments."""
-
-    def __init__(self, *args, **kwargs):
-        super().__init__(*args, **kwargs)
-        self.changed = asyncio.Event()
-
-    def put(self, request: Request) -> None:
-        self.append(request)
-        self.changed.set()
-
-    def put_first(self, request: Request) -> None:
-        """Sends `request` before everything that waits."""
-        self.messages.appendleft(request)
-        self.changed.set()
-
-
-class AsyncFeed:
-    """`Feed` as an asynchronous iterator."""
-
-    def __init__(self, outbox: AsyncOutbox, first: Request):
-        self._outbox = outbox
-        self._first: Request | None = first
-        self._closed = False
-        self._abandoned = False
-
-    def close(self) -> None:
-        """Ends the iteration after what waits."""
-        self._closed = True
-        self._outbox.changed.set()
-
-    def abandon(self) -> None:
-        """Ends the iteration at once; what waits is left for the next stream."""
-        self._abandoned = True
-        self._outbox.changed.set()
-
-    def __aiter__(self) -> AsyncFeed:
-        return self
-
-    async def __anext__(self) -> Request:
-        outbox = self._outbox
-        first, self._first = self._first, None
-        if first is not None:
-            return outbox.stamp(first)
-        while not (self._abandoned or self._closed or outbox.messages):
-            outbox.changed.clear()
-            await outbox.changed.wait()
-        if self._abandoned or not outbox.messages:
-            raise StopAsyncIteration
-        return outbox.stamp(outbox.messages.popleft())
 
 
 def _is_pose(request: Request) -> bool:

@@ -28,6 +28,8 @@ _SKIN = np.array([0.62, 0.43, 0.33])  # Colours are linear, not sRGB.
 _BACKGROUND = np.array([[0.66, 0.69, 0.73], [0.36, 0.39, 0.44]])  # At the top, at the bottom.
 _FLOOR_LINE = np.array([0.20, 0.22, 0.26])
 _FLOOR_STEP_M = 0.25
+_DISTANCE_M = 1.6  # From the camera to what it looks at.
+_LOOK_AT = np.array([0, -0.05, 0])  # From the head's pivot, world [m].
 _CAMERA_LAG_S = 0.15  # The camera smooths the head's path with a Gaussian of this width.
 _SHADOW_CELL_M = 0.006
 _SHADOW_CELLS = 1000  # At most, along either side; what is farther away shares the last ones.
@@ -39,29 +41,34 @@ class View:
     """Where the camera stands: angles about the head's first heading, [deg].
 
     azimuth_deg: 0 looks the figure in the face, 90 is on its left, 180 behind it.
-    elevation_deg: above the horizon. height_m: what the picture's height shows at the head [m].
+    elevation_deg: above the horizon. height_m: what the picture's height shows at the head [m];
+    None is as much as head and hair need in all frames.
     """
 
     azimuth_deg: float
     elevation_deg: float
-    height_m: float = 0.62
+    height_m: float | None = None
 
 
 @dataclass(frozen=True)
 class Look:
     """How pictures look.
 
-    hair_color: linear RGB, each in [0, 1]. hairs: about how many are drawn, at least 1.
-    size: pixels of a picture's side, a multiple of 16.
+    hair_color: linear RGB, each in [0, 1]. hairs: about how many are drawn, at least 1. tip_part:
+    width of a wisp at its tip relative to the root, in [0, 10]; below 1 it closes, above 1 it
+    opens. size: pixels of a picture's side, a multiple of 16.
     """
 
     hair_color: Sequence[float] = (0.13, 0.06, 0.025)
     hairs: int = 2400
+    tip_part: float = 0.45
     size: int = 480
 
     def __post_init__(self) -> None:
         if self.hairs < 1:
             raise InvalidArgument.of("hairs", f"is {self.hairs}, must be at least 1")
+        if not 0 <= self.tip_part <= 10:
+            raise InvalidArgument.of("tip_part", f"is {self.tip_part}, must be in [0, 10]")
         if self.size < 16 or self.size % 16:
             raise InvalidArgument.of("size", f"is {self.size}, must be a multiple of 16")
 
@@ -82,7 +89,7 @@ class Painter:
         motion: Motion,
         look: Look,
     ) -> None:
-        positions = np.asarray(positions)
+        positions = np.asarray(positions, np.float32)
         if positions.ndim != 4 or positions.shape[3] != 3 or positions.shape[2] < 2:
             raise InvalidArgument.of(
                 "positions",
@@ -96,18 +103,23 @@ class Painter:
         if not np.isfinite(positions).all():
             raise InvalidArgument.of("positions", "holds a number that is not finite")
         self._mesh, self._positions, self._motion = mesh, positions, motion
-        self._color, self._size = np.asarray(look.hair_color, float), look.size
+        self._color, self._size = np.asarray(look.hair_color, np.float32), look.size
         self._heads = Rotation.from_quat(motion.orientations)
         roots = self._heads[0].inv().apply(positions[0, :, 0] - motion.positions[0])
-        self._wisps = Wisps.scatter(mesh, roots, look.hairs)
+        self._wisps, self._tip_part = Wisps.scatter(mesh, roots, look.hairs), look.tip_part
         if mesh is not None:
             self._normals = mesh.vertex_normals()
             self._skin = _scalp_colors(mesh, self._color)
+            self._inside = 0.0 if mesh.is_closed() else 0.25  # Brightness, where it can be seen.
         facing = self._heads[0].apply((0, 0, 1))
         self._heading = np.arctan2(facing[0], facing[2])
         rate = (len(motion) - 1) / max(motion.duration_s, 1e-9)
         blur = max(_CAMERA_LAG_S * rate, 0.01)  # Frames; a single one has no rate.
-        self._targets = gaussian_filter1d(motion.positions, blur, axis=0, mode="nearest")
+        # Only what departs from the straight way is smoothed, so that the ends are not pulled in.
+        way = np.linspace(motion.positions[0], motion.positions[-1], len(motion))
+        off = gaussian_filter1d(motion.positions - way, blur, axis=0, mode="nearest")
+        self._targets = way + off
+        self._height_m = self._needed_height()
         lowest = 0.25 if mesh is None else -float(mesh.vertices[:, 1].min())
         self._floor_y = motion.positions[0, 1] - lowest - 0.03
 
@@ -122,7 +134,7 @@ class Painter:
         right, up, back = camera.axes()
         light = _unit(0.55 * back + 0.35 * right + 0.75 * up)
         head = self._heads[index]
-        hairs = self._wisps.hairs(self._positions[index], head)
+        hairs = self._wisps.hairs(self._positions[index], head, self._tip_part)
         shadow = _Shadow(hairs, light)
         if self._mesh is not None:
             points = head.apply(self._mesh.vertices) + self._motion.positions[index]
@@ -131,7 +143,7 @@ class Painter:
                 points,
                 self._mesh.triangles,
                 _skin_light(normals, light, up, shadow, points) * self._skin,
-                back=0.25,
+                back=self._inside,
             )
         canvas.lines(hairs, self._hair_light(hairs, light, camera, shadow))
         return canvas.image()
@@ -146,16 +158,24 @@ class Painter:
                 np.cos(azimuth) * np.cos(elevation),
             ]
         )
-        target = self._targets[index] + (0, -0.05, 0)
-        return Camera(target + 1.6 * toward_eye, target, view.height_m)
+        target = self._targets[index] + _LOOK_AT
+        return Camera(target + _DISTANCE_M * toward_eye, target, view.height_m or self._height_m)
+
+    def _needed_height(self) -> float:
+        """Height [m] of a view that holds the hair about the target, up to 1.6 m."""
+        some = slice(None, None, max(1, len(self._positions) // 40))
+        away = self._positions[some] - (self._targets[some] + _LOOK_AT)[:, None, None]
+        reach = float(np.linalg.norm(away, axis=-1).max())
+        return float(np.clip(2.1 * reach, 0.6, 1.6))
 
     def _hair_light(self, hairs, light, camera: Camera, shadow: _Shadow) -> np.ndarray:
         tangents = _unit(np.gradient(hairs, axis=1))
-        half = _unit(light + _unit(np.asarray(camera.eye) - hairs))
+        light, eye = light.astype(hairs.dtype), np.asarray(camera.eye, hairs.dtype)
+        half = _unit(light + _unit(eye - hairs))
         diffuse = _sine(tangents @ light)
-        shine = _sine((tangents * half).sum(axis=-1)) ** 60
+        shine = _sine(np.einsum("...i,...i->...", tangents, half)) ** 60
         lit = shadow.light_at(hairs)
-        amount = self._wisps.tint[:, None] * (0.30 + 0.90 * diffuse * lit)
+        amount = self._wisps.tint[:, None].astype(hairs.dtype) * (0.30 + 0.90 * diffuse * lit)
         return (
             self._color * amount[..., None] + (0.16 + 0.5 * self._color) * (shine * lit)[..., None]
         )
@@ -166,11 +186,13 @@ class _Shadow:
 
     def __init__(self, hairs: np.ndarray, light: np.ndarray) -> None:
         across = _unit(np.cross(light, (0.31, 0.17, 0.93)))
-        self._axes = np.stack([across, np.cross(light, across), light])
+        self._axes = np.stack([across, np.cross(light, across), light]).astype(hairs.dtype)
         place = hairs.reshape(-1, 3) @ self._axes.T
         self._low = place[:, :2].min(axis=0) - 2 * _SHADOW_CELL_M
-        cells = np.ceil((place[:, :2].max(axis=0) - self._low) / _SHADOW_CELL_M).astype(int) + 3
-        self._top = np.full(np.minimum(cells, _SHADOW_CELLS), -np.inf)
+        high = place[:, :2].max(axis=0)
+        cells = np.ceil((high - self._low) / _SHADOW_CELL_M).astype(np.int64) + 3
+        self._shape = np.minimum(cells, _SHADOW_CELLS)
+        self._top = np.full(self._shape.prod(), -np.inf, hairs.dtype)
         np.maximum.at(self._top, self._cells(place), place[:, 2])
 
     def light_at(self, points: np.ndarray) -> np.ndarray:
@@ -179,10 +201,12 @@ class _Shadow:
         below = np.maximum(self._top[self._cells(place)] - place[..., 2], 0)
         return np.exp(-below / _SHADOW_DEPTH_M)
 
-    def _cells(self, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        cell = np.floor((place[..., :2] - self._low) / _SHADOW_CELL_M).astype(np.int64)
-        cell = np.clip(cell, 0, np.array(self._top.shape) - 1)
-        return cell[..., 0], cell[..., 1]
+    def _cells(self, place: np.ndarray) -> np.ndarray:
+        """Index of the cell that each place lies in; the nearest where it lies in none."""
+        column, row = np.moveaxis((place[..., :2] - self._low) / _SHADOW_CELL_M, -1, 0)
+        column = np.clip(column, 0, self._shape[0] - 1).astype(np.int64)
+        row = np.clip(row, 0, self._shape[1] - 1).astype(np.int64)
+        return column * self._shape[1] + row
 
 
 def _skin_light(normals, light, up, shadow: _Shadow, points) -> np.ndarray:
@@ -217,7 +241,7 @@ def _floor(target: np.ndarray, y: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _unit(v: np.ndarray) -> np.ndarray:
-    return v / np.maximum(np.linalg.norm(v, axis=-1, keepdims=True), 1e-12)
+    return v / np.sqrt(np.maximum(np.einsum("...i,...i->...", v, v), 1e-24))[..., None]
 
 
 def _sine(cosine: np.ndarray) -> np.ndarray:

@@ -18,6 +18,7 @@ VIEWS = (View(35, 8), View(150, 12))
 """Three-quarter front and three-quarter back."""
 
 _DEFAULT_LOOK = Look()
+_FRAMES_PER_WORKER = 30  # For fewer it is not worth starting another process.
 
 
 def draw_sheet(
@@ -66,10 +67,10 @@ def write_video(
 ) -> None:
     """Writes an H.264 MP4 with the views side by side, one picture a frame, at the motion's rate.
 
-    workers: processes that draw, at least 1. With more than one, the calling program's main module
-    must be safe to import (`if __name__ == "__main__":`). progress: gives back what it is given,
-    the pictures, and may count them on the way, as progress bars do. The other arguments are those
-    of `draw_sheet`.
+    workers: at most so many processes draw, at least 1. With more than one, the main module of the
+    calling program must be safe to import (`if __name__ == "__main__":`). progress: gives back what
+    it is given, the pictures, and may count them on the way, as progress bars do. The other
+    arguments are those of `draw_sheet`.
 
     Raises InvalidArgument as `draw_sheet` does, and for fewer than two poses.
     """
@@ -89,7 +90,8 @@ def write_video(
     )
     writer.send(None)
     try:
-        pictures = _draw_all(painter, len(motion), views, workers)
+        useful = min(workers, -(-len(motion) // _FRAMES_PER_WORKER))
+        pictures = _draw_all(painter, len(motion), views, useful)
         for picture in progress(pictures):
             writer.send(picture)
     finally:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 
@@ -15,12 +16,18 @@ from rich.progress import (
     TimeElapsedColumn,
     TimeRemainingColumn,
 )
+from rich.table import Column, Table
 
 from mane.jobs import Job
 
 # Results go to stdout; progress and errors to stderr, so that output can be piped.
-out = Console(soft_wrap=True, highlight=False)
+out = Console(soft_wrap=True, highlight=False, width=None if sys.stdout.isatty() else 200)
 err = Console(stderr=True, soft_wrap=True, highlight=False)
+
+
+def listing(*columns: str) -> Table:
+    """An empty table. The first column holds names, which are never cut."""
+    return Table(Column(columns[0], no_wrap=True), *columns[1:], box=None)
 
 
 def counted(items: Iterable, total: int, label: str) -> Iterator:

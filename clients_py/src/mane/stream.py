@@ -1,6 +1,6 @@
-"""What both clients share about one head's stream: messages, decoding, acknowledgements.
+"""What a head's stream says: messages, decoding, acknowledgements.
 
-Nothing here does input or output; `mane.heads` and `mane.aio_heads` carry the messages.
+Nothing here does input or output; `mane.heads` carries the messages.
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 Guides are sparse, one or two hundred on a head, so a picture of them alone shows a bald head with
 threads. For drawing only, every guide is thickened to a wisp: hair roots are scattered over the
 hair region, each takes the nearest guide's curve, displaced by the way from the guide's root to its
-own, and the displacement shrinks toward the tip. Nothing of that is simulated.
+own, and the displacement shrinks or grows toward the tip. Nothing of that is simulated.
 """
 
 from __future__ import annotations
@@ -52,19 +52,19 @@ class Wisps:
             guide, offset, rng.uniform(0.75, 1.0, len(guide)), rng.uniform(0.7, 1.25, len(guide))
         )
 
-    def hairs(self, guides: np.ndarray, head: Rotation, tip_part: float = 0.45) -> np.ndarray:
+    def hairs(self, guides: np.ndarray, head: Rotation, tip_part: float) -> np.ndarray:
         """Curves (h, points, 3) for guides (guides, points, 3), both in the world [m].
 
-        tip_part: what is left of the displacement at the tip.
+        tip_part: the displacement at the guide's tip relative to that at the root.
         """
         count = guides.shape[1]
-        at = self.length[:, None] * np.arange(count)  # Place on the guide, in points.
+        at = (self.length[:, None] * np.arange(count)).astype(np.float32)  # In points.
         low = np.minimum(at.astype(np.int64), count - 2)
         part = (at - low)[..., None]
         rows = self.guide[:, None]
         curves = (1 - part) * guides[rows, low] + part * guides[rows, low + 1]
         shrink = 1 - (1 - tip_part) * at / (count - 1)
-        return curves + shrink[..., None] * head.apply(self.offset)[:, None]
+        return curves + shrink[..., None] * head.apply(self.offset)[:, None].astype(np.float32)
 
 
 def _scatter_on(mesh: Mesh, count: int, rng: np.random.Generator) -> np.ndarray:

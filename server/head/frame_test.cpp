@@ -1,0 +1,121 @@
+// Frames show the state: positions are those of the strands in the space that was asked for, all
+// formats agree within what each states, and workers do not matter.
+
+#include "head/frame.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "head/sample_groom.h"
+#include "rod/chain.h"
+#include "wire/frame_codec.h"
+#include "wire/reconstruct.h"
+
+namespace mane::head {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+constexpr int kPoints = 9;
+
+class FrameTest : public ::testing::Test {
+ protected:
+  FrameTest() {
+    for (int i = 1; i <= 20; ++i) {
+      const math::Pose pose{{0.02 * i, 1, 0}, math::FromRotationVector({0, 0.05 * i, 0.1})};
+      Advance(*groom_, {pose, 1 / 60.0, 1}, {}, &state_, pool_);
+    }
+  }
+
+  // Positions of all guides from the rods themselves.
+  std::vector<Vector3d> Expected(Space space) const {
+    std::vector<Vector3d> points;
+    for (int i = 0; i < groom_->guide_count(); ++i) {
+      const rod::Strand& strand = groom_->guides[i].strand;
+      const math::Pose root = space == Space::kHead ? groom_->guides[i].root
+                                                    : state_.pose * groom_->guides[i].root;
+      const size_t first = groom_->first_element[i];
+      for (int k = 0; k < kPoints; ++k) {
+        const double s = strand.TotalLength() * k / (kPoints - 1);
+        points.push_back(rod::PointAt(strand, root,
+                                      std::span(state_.theta).subspan(first, strand.elements()),
+                                      rod::Locate(strand, s))
+                             .r);
+      }
+    }
+    return points;
+  }
+
+  std::span<const std::byte> Guide(const std::string& data, int guide, size_t size) const {
+    return std::as_bytes(std::span(data)).subspan(guide * size, size);
+  }
+
+  exec::WorkerPool pool_{2};
+  std::shared_ptr<const groom::Groom> groom_ = SampleGroom(40, 5);
+  HeadState state_ = AtRest(*groom_, {});
+};
+
+TEST_F(FrameTest, PositionsAreThoseOfTheRods) {
+  for (const Space space : {Space::kWorld, Space::kHead}) {
+    const View view{FrameFormat::kPositionsFloat32, space, kPoints};
+    const std::string data = EncodeFrame(*groom_, state_, view, pool_);
+    ASSERT_EQ(data.size(), FrameSize(*groom_, view));
+    const std::vector<Vector3d> expected = Expected(space);
+    for (int i = 0; i < groom_->guide_count(); ++i) {
+      std::vector<Vector3f> points(kPoints);
+      wire::DecodePositions(Guide(data, i, wire::PositionsSize(kPoints)), points);
+      for (int k = 0; k < kPoints; ++k) {
+        // Half a unit in the last place of a float near 1.5 m.
+        EXPECT_LT((points[k].cast<double>() - expected[i * kPoints + k]).norm(), 2e-7);
+      }
+    }
+  }
+}
+
+TEST_F(FrameTest, QuantizedPositionsAreWithinTheStatedError) {
+  const View view{FrameFormat::kPositionsQuantized16, Space::kWorld, kPoints};
+  const std::string data = EncodeFrame(*groom_, state_, view, pool_);
+  ASSERT_EQ(data.size(), FrameSize(*groom_, view));
+  const std::vector<Vector3d> expected = Expected(Space::kWorld);
+  for (int i = 0; i < groom_->guide_count(); ++i) {
+    std::vector<Vector3f> points(kPoints);
+    wire::DecodeQuantized(Guide(data, i, wire::QuantizedSize(kPoints)), points);
+    const double L = groom_->guides[i].strand.TotalLength();
+    for (int k = 0; k < kPoints; ++k) {
+      // A box is at most L wide; 1/131070 of it an axis, and the float's own rounding.
+      EXPECT_LT((points[k].cast<double>() - expected[i * kPoints + k]).lpNorm<Eigen::Infinity>(),
+                L / 131070 + 2e-7);
+    }
+  }
+}
+
+TEST_F(FrameTest, GeneralizedCoordinatesRebuildTheStrands) {
+  const View view{FrameFormat::kGeneralized, Space::kWorld, kPoints};
+  const std::string data = EncodeFrame(*groom_, state_, view, pool_);
+  ASSERT_EQ(data.size(), FrameSize(*groom_, view));
+  const std::vector<Vector3d> expected = Expected(Space::kWorld);
+  for (int i = 0; i < groom_->guide_count(); ++i) {
+    std::vector<Vector3d> theta(5), points(kPoints);
+    wire::DecodeAngles(Guide(data, i, wire::AnglesSize(5)), theta);
+    wire::SamplePoints(state_.pose * groom_->guides[i].root, groom_->guides[i].strand.length, theta,
+                       points);
+    for (int k = 0; k < kPoints; ++k) {
+      // Float angles of up to 10 rad are 5e-7 off, times a strand of 0.3 m, summed over elements.
+      EXPECT_LT((points[k] - expected[i * kPoints + k]).norm(), 1e-6);
+    }
+  }
+}
+
+TEST_F(FrameTest, WorkersDoNotMatter) {
+  exec::WorkerPool one(1);
+  for (const auto format : {FrameFormat::kPositionsFloat32, FrameFormat::kPositionsQuantized16,
+                            FrameFormat::kGeneralized}) {
+    const View view{format, Space::kWorld, kPoints};
+    EXPECT_EQ(EncodeFrame(*groom_, state_, view, pool_), EncodeFrame(*groom_, state_, view, one));
+  }
+}
+
+}  // namespace
+}  // namespace mane::head

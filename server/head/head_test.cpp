@@ -1,0 +1,161 @@
+// Laws of an animated head:
+//   workers     any number of them gives the same bits
+//   pure        a copy of the state replays the same bits; other heads do not matter
+//   teleport    shapes and speeds stay as they are, seen from the head
+//   rest        a head that stands still stays at rest; Reset brings it back there
+//   steps       one movement of k substeps is k movements of one; long ones are cut up
+//   gauge       where the world's origin and its horizontal axes point does not matter
+
+#include "head/head.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "head/sample_groom.h"
+#include "rod/chain.h"
+
+namespace mane::head {
+namespace {
+
+using Eigen::Vector3d;
+
+math::Pose Shaken(double t) {
+  return {{0.1 * std::sin(8 * t), 0.02 * std::cos(11 * t), 0.03 * t},
+          math::FromRotationVector({0.2 * std::sin(5 * t), 0.8 * std::sin(9 * t), 0})};
+}
+
+// Half a second of shaking at 60 Hz.
+HeadState Shake(const groom::Groom& groom, HeadState state, exec::WorkerPool& pool) {
+  for (int i = 1; i <= 30; ++i) {
+    Advance(groom, {Shaken(i / 60.0), 1 / 60.0, 1}, {}, &state, pool);
+  }
+  return state;
+}
+
+bool SameBits(const HeadState& a, const HeadState& b) {
+  return a.theta == b.theta && a.rate == b.rate && a.velocity == b.velocity;
+}
+
+double Farthest(const std::vector<Vector3d>& a, const std::vector<Vector3d>& b) {
+  double worst = 0;
+  for (size_t i = 0; i < a.size(); ++i) worst = std::max(worst, (a[i] - b[i]).norm());
+  return worst;
+}
+
+TEST(HeadTest, AnyNumberOfWorkersGivesTheSameBits) {
+  const auto groom = SampleGroom(41, 5);
+  exec::WorkerPool one(1);
+  const HeadState expected = Shake(*groom, AtRest(*groom, Shaken(0)), one);
+  for (int workers : {2, 3, 8}) {
+    exec::WorkerPool many(workers);
+    EXPECT_TRUE(SameBits(Shake(*groom, AtRest(*groom, Shaken(0)), many), expected)) << workers;
+  }
+}
+
+TEST(HeadTest, ACopyOfTheStateReplaysWhateverRunsBeside) {
+  const auto groom = SampleGroom(9, 5), other = SampleGroom(17, 3);
+  exec::WorkerPool pool(2);
+  const HeadState start = Shake(*groom, AtRest(*groom, Shaken(0)), pool);
+  const HeadState expected = Shake(*groom, start, pool);
+  Shake(*other, AtRest(*other, {}), pool);
+  EXPECT_TRUE(SameBits(Shake(*groom, start, pool), expected));
+}
+
+TEST(HeadTest, TeleportKeepsShapesAndTurnsSpeedsWithTheHead) {
+  const auto groom = SampleGroom(7, 4);
+  exec::WorkerPool pool(1);
+  const HeadState before = Shake(*groom, AtRest(*groom, Shaken(0)), pool);
+  const math::Pose target{{3, -1, 2}, math::FromRotationVector({1, 2, -0.5})};
+  HeadState after = before;
+  Teleport(target, &after);
+  EXPECT_EQ(after.theta, before.theta);
+  EXPECT_EQ(after.pose.p, target.p);
+  for (size_t i = 0; i < before.velocity.size(); ++i) {
+    // Relative to each head; a rotation costs a few roundings.
+    const Vector3d a = before.pose.q.conjugate() * before.velocity[i];
+    const Vector3d b = after.pose.q.conjugate() * after.velocity[i];
+    EXPECT_LT((a - b).norm(), 1e-14 * (1 + a.norm()));
+  }
+}
+
+TEST(HeadTest, RestStaysAtRestAndResetBringsItBack) {
+  const auto groom = SampleGroom(8, 5);
+  exec::WorkerPool pool(1);
+  const HeadState rest = AtRest(*groom, {});
+  HeadState state = rest;
+  for (int i = 0; i < 120; ++i) Advance(*groom, {{}, 1 / 60.0, 1}, {}, &state, pool);
+  // Statics stops at a residual of 1e-9 of the weight's moment.
+  EXPECT_LT(Farthest(state.theta, rest.theta), 1e-6);
+
+  HeadState shaken = Shake(*groom, rest, pool);
+  EXPECT_GT(Farthest(shaken.theta, rest.theta), 0.01);
+  Reset(*groom, &shaken);
+  EXPECT_TRUE(SameBits(shaken, rest));
+}
+
+TEST(HeadTest, SubstepsAreShorterMovements) {
+  const auto groom = SampleGroom(6, 5);
+  exec::WorkerPool pool(1);
+  const math::Pose from = Shaken(0), to = Shaken(0.03);
+  HeadState once = AtRest(*groom, from), twice = once;
+  Advance(*groom, {to, 0.04, 2}, {}, &once, pool);
+  Advance(*groom, {math::Interpolate(from, to, 0.5), 0.02, 1}, {}, &twice, pool);
+  Advance(*groom, {to, 0.02, 1}, {}, &twice, pool);
+  EXPECT_LT(Farthest(once.theta, twice.theta), 1e-12);
+}
+
+TEST(HeadTest, LongMovementsAreCutIntoStepsOfATenthOfASecond) {
+  const auto groom = SampleGroom(6, 5);
+  exec::WorkerPool pool(1);
+  const math::Pose from = Shaken(0), to = Shaken(0.5);
+  HeadState whole = AtRest(*groom, from), cut = whole;
+  Advance(*groom, {to, 0.3, 1}, {}, &whole, pool);
+  Advance(*groom, {to, 0.3, 3}, {}, &cut, pool);
+  // 0.3 s is three longest steps, and asking for three changes them to nine.
+  HeadState thrice = AtRest(*groom, from);
+  for (int i = 1; i <= 3; ++i) {
+    Advance(*groom, {math::Interpolate(from, to, i / 3.0), 0.1, 1}, {}, &thrice, pool);
+  }
+  EXPECT_LT(Farthest(whole.theta, thrice.theta), 1e-12);
+  EXPECT_GT(Farthest(cut.theta, thrice.theta), 1e-6);
+}
+
+TEST(HeadTest, NeitherOriginNorHeadingOfTheWorldMatters) {
+  const auto groom = SampleGroom(6, 5);
+  exec::WorkerPool pool(1);
+  const math::Pose gauge{{2, 1, -3}, math::FromRotationVector({0, 1.1, 0})};
+  HeadState a = AtRest(*groom, Shaken(0)), b = AtRest(*groom, gauge * Shaken(0));
+  for (int i = 1; i <= 30; ++i) {
+    const math::Pose pose = Shaken(i / 60.0);
+    Advance(*groom, {pose, 1 / 60.0, 1}, {}, &a, pool);
+    Advance(*groom, {gauge * pose, 1 / 60.0, 1}, {}, &b, pool);
+  }
+  // Round-off of coordinates of 3 m, amplified by half a second of shaking.
+  EXPECT_LT(Farthest(a.theta, b.theta), 1e-8);
+}
+
+TEST(HeadTest, WindBlowsHairAlong) {
+  const auto groom = SampleGroom(8, 5);
+  exec::WorkerPool pool(1);
+  Environment wind;
+  wind.wind = {0, 0, 5};
+  const auto mean_tip = [&](const Environment& environment) {
+    HeadState state = AtRest(*groom, {});
+    for (int i = 0; i < 120; ++i) Advance(*groom, {{}, 1 / 60.0, 1}, environment, &state, pool);
+    Vector3d mean = Vector3d::Zero();
+    for (int i = 0; i < groom->guide_count(); ++i) {
+      const size_t first = groom->first_element[i], N = groom->first_element[i + 1] - first;
+      mean += rod::ElementFrames(groom->guides[i].strand, groom->guides[i].root,
+                                 std::span(state.theta).subspan(first, N))
+                  .back()
+                  .r /
+              groom->guide_count();
+    }
+    return mean;
+  };
+  EXPECT_GT(mean_tip(wind).z(), mean_tip({}).z() + 0.01);
+}
+
+}  // namespace
+}  // namespace mane::head

@@ -1,0 +1,36 @@
+#include "head/sample_groom.h"
+
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "groom/assemble.h"
+#include "groom/validate.h"
+
+namespace mane::head {
+
+std::shared_ptr<const groom::Groom> SampleGroom(int guides, int elements) {
+  groom::Parts parts;
+  for (int i = 0; i < guides; ++i) {
+    const double angle = 2 * std::numbers::pi * i / guides;
+    groom::GuideDescription description;
+    description.root_position = {0.08 * std::cos(angle), 0.05, 0.08 * std::sin(angle)};
+    description.root_frame = Eigen::Quaterniond::FromTwoVectors(
+        Eigen::Vector3d::UnitX(), description.root_position.normalized());
+    description.length_m = 0.1 + 0.2 * i / guides;
+    description.element_count = static_cast<uint32_t>(elements);
+    description.radius_1_m = 4e-5;
+    description.radius_2_m = 3.5e-5;
+    description.young_modulus_pa = 2e9;
+    description.poisson_ratio = 0.48;
+    description.density_kg_m3 = 1300;
+    description.internal_friction = 1e-10;
+    description.air_drag = 5e-6;
+    description.natural_curvature_1 = {i % 2 == 0 ? 0.0 : 60.0};
+    description.natural_twist = {i % 2 == 0 ? 0.0 : 15.0};
+    parts.guides.push_back(*groom::MakeGuide(description, i));
+  }
+  return *groom::Assemble(std::move(parts), {}, nullptr);
+}
+
+}  // namespace mane::head

@@ -1,0 +1,322 @@
+// Heads among each other: lockstep replays, real time keeps its clock and its window, broken streams
+// come back, limits hold, and one head's fault or end leaves the others alone.
+
+#include "session/registry.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <functional>
+#include <limits>
+
+#include "head/sample_groom.h"
+
+namespace mane::session {
+namespace {
+
+using std::chrono::seconds;
+
+// A stream that takes all frames as they come, and lets a test wait for what it wants to see.
+class TestStream final : public FrameSink {
+ public:
+  void Follow(std::shared_ptr<HeadSession> head) {
+    std::lock_guard lock(mutex_);
+    head_ = std::move(head);
+  }
+  void OnProgress() override {
+    std::lock_guard lock(mutex_);
+    if (head_ == nullptr || paused_) return;
+    for (OutgoingFrame out = head_->TakeFrame(); out.frame; out = head_->TakeFrame()) {
+      frames_.push_back(out.frame);
+      skipped_ += out.skipped;
+    }
+    changed_.notify_all();
+  }
+  void OnNotice(const Notice& notice) override {
+    std::lock_guard lock(mutex_);
+    notices_.push_back(notice);
+    changed_.notify_all();
+  }
+  void OnEnd(const Error& error) override {
+    std::lock_guard lock(mutex_);
+    end_ = error;
+    changed_.notify_all();
+  }
+
+  [[nodiscard]] bool WaitFor(const std::function<bool(const TestStream&)>& done) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, seconds(20), [&] { return done(*this); });
+  }
+  [[nodiscard]] bool WaitForFrames(size_t count) {
+    return WaitFor([count](const TestStream& s) { return s.frames_.size() >= count; });
+  }
+  [[nodiscard]] std::vector<FramePtr> frames() {
+    std::lock_guard lock(mutex_);
+    return frames_;
+  }
+
+  // Guarded by mutex_; read by conditions, or when the head is quiet.
+  std::vector<FramePtr> frames_;
+  std::vector<Notice> notices_;
+  std::optional<Error> end_;
+  uint32_t skipped_ = 0;
+  bool paused_ = false;
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::shared_ptr<HeadSession> head_;
+};
+
+class RegistryTest : public ::testing::Test {
+ protected:
+  std::shared_ptr<HeadSession> Open(Registry& registry, TestStream& stream, Pacing pacing,
+                                    const std::string& request_id = "") {
+    HeadOptions options;
+    options.pacing = pacing;
+    options.rate_hz = 120;
+    const auto opened = registry.Open(groom_, options, request_id, &stream);
+    EXPECT_TRUE(opened) << (opened ? "" : opened.error().message);
+    if (!opened) return nullptr;
+    token_ = opened->resume_token;
+    stream.Follow(opened->head);
+    return opened->head;
+  }
+
+  static PoseCommand Pose(int i) {
+    return {i / 60.0, {{0.05 * std::sin(0.3 * i), 0, 0}, Eigen::Quaterniond::Identity()}};
+  }
+
+  exec::WorkerPool pool_{2};
+  std::shared_ptr<const groom::Groom> groom_ = head::SampleGroom(12, 4);
+  std::string token_;
+};
+
+TEST_F(RegistryTest, LockstepGivesOneFrameAPoseAndReplaysTheSameBits) {
+  Registry registry({}, pool_);
+  std::vector<std::vector<FramePtr>> runs;
+  for (int run = 0; run < 2; ++run) {
+    TestStream stream;
+    const auto head = Open(registry, stream, Pacing::kLockstep);
+    for (int i = 0; i < 40; ++i) {
+      ASSERT_TRUE(head->Submit(Pose(i)));
+      if (i == 20) {
+        ASSERT_TRUE(head->Submit(EnvironmentCommand{Eigen::Vector3d(1, 0, 0), {}, {}, {}}));
+      }
+      if (i == 30) {
+        ASSERT_TRUE(head->Submit(ResetCommand{}));
+      }
+    }
+    ASSERT_TRUE(stream.WaitForFrames(40));
+    registry.Close(head, &stream);
+    runs.push_back(stream.frames());
+  }
+  ASSERT_EQ(runs[0].size(), 40u);
+  for (size_t i = 0; i < 40; ++i) {
+    EXPECT_EQ(runs[0][i]->index, i + 1);
+    EXPECT_EQ(runs[0][i]->time, static_cast<double>(i) / 60);
+    EXPECT_EQ(runs[0][i]->data, runs[1][i]->data) << i;
+  }
+  EXPECT_NE(runs[0][10]->data, runs[0][20]->data);
+}
+
+TEST_F(RegistryTest, TimesMustIncreaseAndLockstepGapsAreLimited) {
+  Registry registry({}, pool_);
+  TestStream stream;
+  const auto head = Open(registry, stream, Pacing::kLockstep);
+  ASSERT_TRUE(head->Submit(PoseCommand{5, {}}));
+  for (const double time : {5.0, 4.0, 6.5}) {
+    const auto result = head->Submit(PoseCommand{time, {}});
+    ASSERT_FALSE(result) << time;
+    EXPECT_EQ(result.error().code, ErrorCode::kInvalidArgument);
+    EXPECT_EQ(result.error().field, "pose.time_s");
+  }
+  EXPECT_TRUE(head->Submit(PoseCommand{100, {}, /*teleport=*/true}));
+  EXPECT_TRUE(head->Submit(PoseCommand{101, {}}));
+  registry.Close(head, &stream);
+}
+
+TEST_F(RegistryTest, RealtimeTicksByItself) {
+  Registry registry({}, pool_);
+  TestStream stream;
+  const auto head = Open(registry, stream, Pacing::kRealtime);
+  for (uint64_t acked = 0, i = 0; acked < 30; ++i) {
+    ASSERT_TRUE(stream.WaitFor([&](const TestStream& s) {
+      return !s.frames_.empty() && s.frames_.back()->index > acked;
+    }));
+    acked = stream.frames().back()->index;
+    ASSERT_TRUE(head->Submit(Pose(static_cast<int>(i))));
+    ASSERT_TRUE(head->Acknowledge(acked));
+  }
+  registry.Close(head, &stream);
+  const auto frames = stream.frames();
+  for (size_t i = 1; i < frames.size(); ++i) {
+    EXPECT_GT(frames[i]->index, frames[i - 1]->index);
+    EXPECT_GE(frames[i]->time, frames[i - 1]->time);
+  }
+  // The head is shown at the newest pose it knows, or at most kMaxExtrapolation later.
+  EXPECT_GE(frames.back()->newest_pose_time, frames.back()->time - 1);
+}
+
+TEST_F(RegistryTest, AReaderThatAcknowledgesNothingGetsTheWindowAndThenTheNewest) {
+  Registry registry({}, pool_);
+  TestStream stream;
+  const auto head = Open(registry, stream, Pacing::kRealtime);
+  ASSERT_TRUE(stream.WaitForFrames(3));
+  const uint64_t third = stream.frames().back()->index;
+  // The head goes on while nothing is taken.
+  const auto deadline = std::chrono::steady_clock::now() + seconds(20);
+  while (head->next_frame() < third + 10 && std::chrono::steady_clock::now() < deadline) {
+    std::this_thread::yield();
+  }
+  ASSERT_GE(head->next_frame(), third + 10);
+  EXPECT_EQ(stream.frames().size(), 3u);
+  ASSERT_TRUE(head->Acknowledge(third));
+  stream.OnProgress();
+  ASSERT_TRUE(stream.WaitForFrames(4));
+  EXPECT_GE(stream.frames()[3]->index, third + 9);
+  EXPECT_GE(stream.skipped_, 8u);
+  EXPECT_LE(head->Backlog(), 2);
+  registry.Close(head, &stream);
+}
+
+TEST_F(RegistryTest, ABrokenStreamComesBackToItsHead) {
+  Registry registry({.max_heads = 10, .resume_grace = 60}, pool_);
+  TestStream first, second;
+  const auto head = Open(registry, first, Pacing::kRealtime);
+  ASSERT_TRUE(first.WaitForFrames(3));
+  registry.Leave(head, &first);
+  const uint64_t next = head->next_frame();
+  second.Follow(head);
+  const auto resumed = registry.Resume(token_, &second);
+  ASSERT_TRUE(resumed);
+  EXPECT_EQ(resumed->head, head);
+  ASSERT_TRUE(second.WaitForFrames(1));
+  // One that was being computed when the stream broke may have waited in the mailbox.
+  EXPECT_GE(second.frames().front()->index + 2, next);
+  EXPECT_FALSE(registry.Resume("no such token", &second));
+  registry.Close(head, &second);
+  const auto gone = registry.Resume(token_, &second);
+  ASSERT_FALSE(gone);
+  EXPECT_EQ(gone.error().code, ErrorCode::kNotFound);
+}
+
+TEST_F(RegistryTest, ResumingTakesTheHeadFromAStreamThatStillHoldsIt) {
+  Registry registry({}, pool_);
+  TestStream first, second;
+  const auto head = Open(registry, first, Pacing::kRealtime);
+  second.Follow(head);
+  ASSERT_TRUE(registry.Resume(token_, &second));
+  ASSERT_TRUE(first.WaitFor([](const TestStream& s) { return s.end_.has_value(); }));
+  EXPECT_EQ(first.end_->code, ErrorCode::kCancelled);
+  registry.Leave(head, &first);  // Too late to matter.
+  ASSERT_TRUE(second.WaitForFrames(2));
+  registry.Close(head, &second);
+}
+
+TEST_F(RegistryTest, HeadsWithoutAStreamExpire) {
+  Registry registry({.max_heads = 10, .resume_grace = 0.01}, pool_);
+  TestStream stream;
+  const auto head = Open(registry, stream, Pacing::kRealtime);
+  registry.Leave(head, &stream);
+  const auto deadline = std::chrono::steady_clock::now() + seconds(20);
+  while (registry.head_count() > 0 && std::chrono::steady_clock::now() < deadline) {
+    std::this_thread::yield();
+  }
+  EXPECT_EQ(registry.head_count(), 0);
+  EXPECT_FALSE(registry.Resume(token_, &stream));
+  EXPECT_FALSE(head->Submit(Pose(1)));
+}
+
+TEST_F(RegistryTest, TheLimitRefusesButDetachedHeadsMakeRoom) {
+  Registry registry({.max_heads = 2, .resume_grace = 60}, pool_);
+  TestStream a, b, c;
+  const auto first = Open(registry, a, Pacing::kLockstep);
+  const auto second = Open(registry, b, Pacing::kRealtime);
+  const auto refused = registry.Open(groom_, {}, "", &c);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kResourceExhausted);
+  registry.Leave(second, &b);
+  const auto third = Open(registry, c, Pacing::kLockstep);
+  EXPECT_NE(third, nullptr);
+  EXPECT_EQ(registry.head_count(), 2);
+  registry.Close(first, &a);
+  registry.Close(third, &c);
+  EXPECT_EQ(registry.head_count(), 0);
+}
+
+TEST_F(RegistryTest, OpeningAgainWithARequestIdReplacesTheLostTry) {
+  Registry registry({}, pool_);
+  TestStream lost, again;
+  Open(registry, lost, Pacing::kRealtime, "try-1");
+  const auto head = Open(registry, again, Pacing::kRealtime, "try-1");
+  ASSERT_TRUE(lost.WaitFor([](const TestStream& s) { return s.end_.has_value(); }));
+  EXPECT_EQ(registry.head_count(), 1);
+  ASSERT_TRUE(again.WaitForFrames(2));
+  registry.Close(head, &again);
+}
+
+TEST_F(RegistryTest, AFaultEndsOneHeadAndNoOther) {
+  Registry registry({}, pool_);
+  TestStream sick, well;
+  const auto broken = Open(registry, sick, Pacing::kLockstep);
+  const auto healthy = Open(registry, well, Pacing::kLockstep);
+  ASSERT_TRUE(broken->Submit(PoseCommand{0, {}}));
+  // Validation keeps such a time out; here it stands for a fault of the program.
+  ASSERT_TRUE(broken->Submit(PoseCommand{std::numeric_limits<double>::quiet_NaN(), {}}));
+  ASSERT_TRUE(sick.WaitFor([](const TestStream& s) { return s.end_.has_value(); }));
+  EXPECT_EQ(sick.end_->code, ErrorCode::kInternal);
+  EXPECT_FALSE(broken->Submit(PoseCommand{1, {}}));
+  for (int i = 0; i < 5; ++i) ASSERT_TRUE(healthy->Submit(Pose(i)));
+  ASSERT_TRUE(well.WaitForFrames(5));
+  registry.Close(broken, &sick);
+  registry.Close(healthy, &well);
+}
+
+TEST_F(RegistryTest, ManyStreamsComeAndGoAtOnce) {
+  Registry registry({.max_heads = 64, .resume_grace = 0.02}, pool_);
+  std::vector<std::jthread> clients;
+  for (int c = 0; c < 6; ++c) {
+    clients.emplace_back([&, c] {
+      for (int round = 0; round < 15; ++round) {
+        TestStream stream;
+        HeadOptions options;
+        options.pacing = (c + round) % 2 == 0 ? Pacing::kRealtime : Pacing::kLockstep;
+        options.rate_hz = 240;
+        const auto opened = registry.Open(groom_, options, "", &stream);
+        ASSERT_TRUE(opened);
+        stream.Follow(opened->head);
+        for (int i = 0; i < 4; ++i) ASSERT_TRUE(opened->head->Submit(Pose(i)));
+        ASSERT_TRUE(stream.WaitForFrames(2));
+        if (round % 3 == 0) {
+          registry.Leave(opened->head, &stream);  // The expiry races with what comes.
+        } else {
+          registry.Close(opened->head, &stream);
+        }
+      }
+    });
+  }
+  clients.clear();
+  const auto deadline = std::chrono::steady_clock::now() + seconds(20);
+  while (registry.head_count() > 0 && std::chrono::steady_clock::now() < deadline) {
+    std::this_thread::yield();
+  }
+  EXPECT_EQ(registry.head_count(), 0);
+}
+
+TEST_F(RegistryTest, ClientsAreToldWhenPosesStayAway) {
+  Registry registry({}, pool_);
+  TestStream stream;
+  const auto head = Open(registry, stream, Pacing::kRealtime);
+  ASSERT_TRUE(stream.WaitFor([](const TestStream& s) { return !s.notices_.empty(); }));
+  const auto is_no_poses = [](const Notice& n) { return n.code == Notice::Code::kNoPoses; };
+  ASSERT_TRUE(stream.WaitFor([&](const TestStream& s) {
+    return std::ranges::any_of(s.notices_, is_no_poses);
+  }));
+  registry.Close(head, &stream);
+}
+
+}  // namespace
+}  // namespace mane::session
