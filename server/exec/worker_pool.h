@@ -28,8 +28,8 @@ class WorkerPool {
 
   [[nodiscard]] int workers() const { return workers_; }
 
-  /// Calls body(begin, end) for the pieces [0, grain), [grain, 2 grain), ... of [0, n); returns when
-  /// all are done. Rethrows the first exception of a piece.
+  /// Calls body(begin, end) for the pieces [0, grain), [grain, 2 grain), ... of [0, n); returns
+  /// when all are done. Rethrows the first exception of a piece.
   template <typename Body>
   void ParallelFor(int n, int grain, const Body& body) {
     const int pieces = (n + grain - 1) / grain;
@@ -40,8 +40,7 @@ class WorkerPool {
     // Isolated: a worker that waits for the last piece takes no other work into its stack.
     arena_.execute([&] {
       tbb::this_task_arena::isolate([&] {
-        tbb::parallel_for(0, pieces,
-                          [&](int i) { body(i * grain, std::min(n, (i + 1) * grain)); });
+        tbb::parallel_for(0, pieces, [&](int i) { body(i * grain, std::min(n, (i + 1) * grain)); });
       });
     });
   }

@@ -10,9 +10,9 @@ struct Limits {
   /// Helical elements of all guides together, >= 1. Bounds the memory of a head, about 200 bytes an
   /// element.
   int max_elements = 400'000;
-  /// Sum over the guides of the cube of their element counts, >= 1: the time to solve the rest shape
-  /// grows with it, about a minute of one core at this limit. 250,000 guides of 20 elements; 119 of
-  /// 256.
+  /// Sum over the guides of the cube of their element counts, >= 1: the time to solve the rest
+  /// shape grows with it, about a minute of one core at this limit. 250,000 guides of 20 elements;
+  /// 119 of 256.
   double max_rest_work = 2e9;
   /// Vertices of a scalp mesh, >= 3; 12 bytes each.
   int max_vertices = 2'000'000;

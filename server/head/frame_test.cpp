@@ -34,8 +34,8 @@ class FrameTest : public ::testing::Test {
     std::vector<Vector3d> points;
     for (int i = 0; i < groom_->guide_count(); ++i) {
       const rod::Strand& strand = groom_->guides[i].strand;
-      const math::Pose root = space == Space::kHead ? groom_->guides[i].root
-                                                    : state_.pose * groom_->guides[i].root;
+      const math::Pose root =
+          space == Space::kHead ? groom_->guides[i].root : state_.pose * groom_->guides[i].root;
       const size_t first = groom_->first_element[i];
       for (int k = 0; k < kPoints; ++k) {
         const double s = strand.TotalLength() * k / (kPoints - 1);

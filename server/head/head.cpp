@@ -12,8 +12,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Guides advanced in one piece by one worker: enough to outweigh handing it over, few enough to share
-// a head of a hundred guides among several.
+// Guides advanced in one piece by one worker: enough to outweigh handing it over, few enough to
+// share a head of a hundred guides among several.
 constexpr int kGuidesPerPiece = 8;
 
 rod::StrandState StrandOf(const groom::Groom& groom, int guide, HeadState* state) {
@@ -45,9 +45,9 @@ bool AdvanceGuide(const groom::Groom& groom, int guide, const Movement& movement
   const rod::StrandState strand = StrandOf(groom, guide, state);
   math::Pose begin = state->pose;
   for (int i = 1; i <= steps; ++i) {
-    const math::Pose end =
-        i == steps ? movement.target
-                   : math::Interpolate(state->pose, movement.target, double(i) / steps);
+    const math::Pose end = i == steps
+                               ? movement.target
+                               : math::Interpolate(state->pose, movement.target, double(i) / steps);
     const rod::ClampMotion clamp{begin * description.root, end * description.root,
                                  movement.duration / steps};
     if (!rod::Step(description.strand, clamp, environment, strand, scratch)) {

@@ -16,10 +16,11 @@ using Environment = rod::Surroundings;
 
 /// Every mutable number of one animated head. One owner at a time; copy it to keep a checkpoint.
 struct HeadState {
-  math::Pose pose;                        ///< head -> world: where the roots are clamped.
-  std::vector<Eigen::Vector3d> theta;     ///< Element angles [rad], (elements of all guides).
-  std::vector<Eigen::Vector3d> rate;      ///< Their rates over the last step [rad/s], same shape.
-  std::vector<Eigen::Vector3d> velocity;  ///< At Gauss points, world [m/s], (elements x kGaussPoints).
+  math::Pose pose;                     ///< head -> world: where the roots are clamped.
+  std::vector<Eigen::Vector3d> theta;  ///< Element angles [rad], (elements of all guides).
+  std::vector<Eigen::Vector3d> rate;   ///< Their rates over the last step [rad/s], same shape.
+  std::vector<Eigen::Vector3d>
+      velocity;  ///< At Gauss points, world [m/s], (elements x kGaussPoints).
 };
 
 /// The groom's rest shape on a head at `pose`, standing still.
@@ -44,11 +45,12 @@ struct Movement {
 
 /// What a step reports besides the state.
 struct StepReport {
-  int repaired_guides = 0;  ///< Guides that became non-finite and were put to rest; 0 unless at fault.
+  int repaired_guides =
+      0;  ///< Guides that became non-finite and were put to rest; 0 unless at fault.
 };
 
-/// Advances all guides along `movement`. A pure function of its arguments: the pool decides only who
-/// computes, so results are the same bits for any number of workers.
+/// Advances all guides along `movement`. A pure function of its arguments: the pool decides only
+/// who computes, so results are the same bits for any number of workers.
 StepReport Advance(const groom::Groom& groom, const Movement& movement,
                    const Environment& environment, HeadState* state, exec::WorkerPool& pool);
 

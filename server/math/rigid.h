@@ -7,7 +7,7 @@ namespace mane::math {
 
 /// A frame's placement in its parent: parent = q * local + p. `q` is a unit quaternion.
 struct Pose {
-  Eigen::Vector3d p = Eigen::Vector3d::Zero();             ///< [m]
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();  ///< [m]
   Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
 
   [[nodiscard]] Eigen::Vector3d operator*(const Eigen::Vector3d& local) const {

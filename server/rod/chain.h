@@ -17,7 +17,8 @@ struct ElementFrame {
   Eigen::Vector3d r;  ///< Centreline [m].
 };
 
-/// Frames of all element ends, root first, tip last, (N + 1): [SH06] Appendix A, element by element.
+/// Frames of all element ends, root first, tip last, (N + 1): [SH06] Appendix A, element by
+/// element.
 ///
 /// @param theta  element angles [rad], (N).
 [[nodiscard]] std::vector<ElementFrame> ElementFrames(const Strand& strand, const math::Pose& clamp,

@@ -49,8 +49,7 @@ void PotentialGradient(const Strand& strand, const math::Pose& clamp, const Vect
     const Vector3d load = l * end.G.transpose() * (R.transpose() * weight) +
                           l * end.J.transpose() * (R.transpose() * force) +
                           end.T.transpose() * (R.transpose() * moment);
-    const Vector3d elastic =
-        strand.stiffness.cwiseProduct(theta[Q] / l - strand.natural[Q]);
+    const Vector3d elastic = strand.stiffness.cwiseProduct(theta[Q] / l - strand.natural[Q]);
     gradient[Q] = elastic - load;
     moment += (l * (R * end.p)).cross(force) + (l * (R * end.c)).cross(weight);
     force += weight;

@@ -25,7 +25,6 @@ void PotentialGradient(const Strand& strand, const math::Pose& clamp,
 
 /// T of [SH06] (5b) [J] from velocities [m/s] at the Gauss points of every element,
 /// (N x kGaussPoints), as in StrandState::velocity.
-[[nodiscard]] double KineticEnergy(const Strand& strand,
-                                   std::span<const Eigen::Vector3d> velocity);
+[[nodiscard]] double KineticEnergy(const Strand& strand, std::span<const Eigen::Vector3d> velocity);
 
 }  // namespace mane::rod

@@ -4,8 +4,8 @@
 
 namespace mane::rod {
 
-/// Points of the inertia integrals in each element: the inertia is good to 5e-8 for an element of 1 rad
-/// and to 1e-4 at 3 rad. Too few for a tightly wound one is inaccurate, never unstable (rod.md,
+/// Points of the inertia integrals in each element: the inertia is good to 5e-8 for an element of 1
+/// rad and to 1e-4 at 3 rad. Too few for a tightly wound one is inaccurate, never unstable (rod.md,
 /// Quadrature).
 inline constexpr int kGaussPoints = 4;
 

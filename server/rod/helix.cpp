@@ -31,10 +31,10 @@ struct Basis {
   // Its derivative by theta, where g_k = 2 df_k / d|theta|^2, (H6).
   [[nodiscard]] Matrix3d Derivative(double f2, double f3, double g2, double g3) const {
     Matrix3d J = (g2 * A + g3 * B) * th.transpose();
-    J.row(0) -= 2 * f3 * th.transpose();   // -2 f3 d0 theta^T
-    J.col(0) += f3 * th;                   //  f3 theta d0^T
-    J.diagonal().array() += f3 * th.x();   //  f3 tau I
-    J(1, 2) += f2;                         // -f2 [d0]
+    J.row(0) -= 2 * f3 * th.transpose();  // -2 f3 d0 theta^T
+    J.col(0) += f3 * th;                  //  f3 theta d0^T
+    J.diagonal().array() += f3 * th.x();  //  f3 tau I
+    J(1, 2) += f2;                        // -f2 [d0]
     J(2, 1) -= f2;
     return J;
   }

@@ -6,9 +6,9 @@
 
 namespace mane::rod {
 
-/// One Super-Helix element in closed form, in its own left frame (n0, n1, n2) and in units of its own
-/// length, so that arc length runs over [0, 1] and the only parameter is the angle vector
-/// theta = l (tau, kappa1, kappa2) [rad]. Formulas H1 to H9 of rod.md; entire functions, so that
+/// One Super-Helix element in closed form, in its own left frame (n0, n1, n2) and in units of its
+/// own length, so that arc length runs over [0, 1] and the only parameter is the angle vector theta
+/// = l (tau, kappa1, kappa2) [rad]. Formulas H1 to H9 of rod.md; entire functions, so that
 /// straight, planar and helical elements are one case. Pure, no allocation.
 ///
 /// Rates: dtheta moves the point at s by J(s) dtheta and turns the frame at s by the rotation

@@ -54,21 +54,20 @@ struct Problem {
   }
 };
 
-// One element under its own weight and that of all beyond it, which hangs on its right end as a rigid
-// body: what is needed of it does not change with the element's own angles.
+// One element under its own weight and that of all beyond it, which hangs on its right end as a
+// rigid body: what is needed of it does not change with the element's own angles.
 struct LoadedElement {
-  double l;              // Length [m].
-  double mass;           // Of the element,
-  double mass_beyond;    // and of all beyond it [kg].
-  Vector3d stiffness;    // (EI)_i / l
-  Vector3d gravity;      // In the element's left frame.
-  Vector3d center;       // Centre of mass of what is beyond, from the right end in its frame [m].
+  double l;            // Length [m].
+  double mass;         // Of the element,
+  double mass_beyond;  // and of all beyond it [kg].
+  Vector3d stiffness;  // (EI)_i / l
+  Vector3d gravity;    // In the element's left frame.
+  Vector3d center;     // Centre of mass of what is beyond, from the right end in its frame [m].
 
   // Generalized load of gravity `g` as a matrix on it: load = B g, both in the left frame.
   [[nodiscard]] Matrix3d Load(const ElementEnd& end) const {
     return l * mass * end.G.transpose() +
-           mass_beyond * (l * end.J.transpose() +
-                          end.T.transpose() * math::Cross(end.E * center));
+           mass_beyond * (l * end.J.transpose() + end.T.transpose() * math::Cross(end.E * center));
   }
   // Second derivative by the element's own angles, by central differences of the load: good to
   // about 1e-9 of it.
@@ -104,8 +103,12 @@ MatrixXd Problem::Hessian(const VectorXd& x) const {
     const ElementEnd end = EndOfElement(theta[Q]);
     const Vector3d arm =
         mass_beyond > 0 ? Vector3d(moment / mass_beyond - frames[Q + 1].r) : Vector3d::Zero();
-    const LoadedElement element{l, mass, mass_beyond, strand.stiffness / l,
-                                R.transpose() * gravity, frames[Q + 1].R.transpose() * arm};
+    const LoadedElement element{l,
+                                mass,
+                                mass_beyond,
+                                strand.stiffness / l,
+                                R.transpose() * gravity,
+                                frames[Q + 1].R.transpose() * arm};
     loads[Q] = element.Load(end) * R.transpose();
     turns[Q] = R * end.T;
     H.block<3, 3>(3 * Q, 3 * Q) = element.OwnHessian(theta[Q]);

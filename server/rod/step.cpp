@@ -36,10 +36,10 @@ struct ElementCost {
 
 // Constants of one step.
 struct Coefficients {
-  double h;           // kTheta dt
-  double inertia;     // 1 + h c: implicit drag multiplies inertia.
-  Vector3d body;      // h (g + c wind): momentum per mass from gravity and moving air.
-  double gamma;       // internal friction, scaled
+  double h;        // kTheta dt
+  double inertia;  // 1 + h c: implicit drag multiplies inertia.
+  Vector3d body;   // h (g + c wind): momentum per mass from gravity and moving air.
+  double gamma;    // internal friction, scaled
 };
 
 Coefficients MakeCoefficients(const Strand& strand, double dt, const Surroundings& air) {

@@ -19,21 +19,22 @@ inline constexpr double kTheta = 0.55;
 
 /// What moves: views into arrays that the caller owns.
 struct StrandState {
-  std::span<Eigen::Vector3d> theta;     ///< Element angles l_Q kappa_Q [rad], (N).
-  std::span<Eigen::Vector3d> rate;      ///< d theta/dt over the last step [rad/s], (N).
-  std::span<Eigen::Vector3d> velocity;  ///< dr/dt at the Gauss points, world [m/s], (N x kGaussPoints).
+  std::span<Eigen::Vector3d> theta;  ///< Element angles l_Q kappa_Q [rad], (N).
+  std::span<Eigen::Vector3d> rate;   ///< d theta/dt over the last step [rad/s], (N).
+  std::span<Eigen::Vector3d>
+      velocity;  ///< dr/dt at the Gauss points, world [m/s], (N x kGaussPoints).
 };
 
 /// What surrounds a strand, constant over a step.
 struct Surroundings {
-  Eigen::Vector3d gravity{0, -9.81, 0};                      ///< World [m/s^2].
-  Eigen::Vector3d wind = Eigen::Vector3d::Zero();            ///< Air velocity, world [m/s].
-  double internal_friction_scale = 1;                        ///< Factor on gamma, >= 0.
-  double air_drag_scale = 1;                                 ///< Factor on nu, >= 0.
+  Eigen::Vector3d gravity{0, -9.81, 0};            ///< World [m/s^2].
+  Eigen::Vector3d wind = Eigen::Vector3d::Zero();  ///< Air velocity, world [m/s].
+  double internal_friction_scale = 1;              ///< Factor on gamma, >= 0.
+  double air_drag_scale = 1;                       ///< Factor on nu, >= 0.
 };
 
-/// Root frames in the world at the start and at the end of a step of `dt` [s] > 0. The clamp moves at
-/// constant linear and angular velocity between them, by the shorter turn.
+/// Root frames in the world at the start and at the end of a step of `dt` [s] > 0. The clamp moves
+/// at constant linear and angular velocity between them, by the shorter turn.
 struct ClampMotion {
   math::Pose begin;
   math::Pose end;
@@ -43,10 +44,10 @@ struct ClampMotion {
 /// Memory of one worker's steps; grows to the longest strand it has seen and is reused.
 struct StepScratch {
   struct Element {
-    Eigen::Matrix3d R;               ///< Left frame at the linearisation, world.
-    Eigen::Vector3d d;               ///< Right end from left end, world [m].
-    Eigen::Matrix<double, 6, 3> S;   ///< Right end's twist per rate.
-    Eigen::Matrix<double, 3, 6> L;   ///< rate = k - L V
+    Eigen::Matrix3d R;              ///< Left frame at the linearisation, world.
+    Eigen::Vector3d d;              ///< Right end from left end, world [m].
+    Eigen::Matrix<double, 6, 3> S;  ///< Right end's twist per rate.
+    Eigen::Matrix<double, 3, 6> L;  ///< rate = k - L V
     Eigen::Vector3d k;
     Eigen::Vector3d r[kGaussPoints];  ///< Gauss points from the left end, world [m].
     Eigen::Matrix3d J[kGaussPoints];  ///< Their velocity per rate.

@@ -5,9 +5,7 @@
 
 namespace mane::rod {
 
-double Strand::TotalLength() const {
-  return std::accumulate(length.begin(), length.end(), 0.0);
-}
+double Strand::TotalLength() const { return std::accumulate(length.begin(), length.end(), 0.0); }
 
 Eigen::Vector3d Stiffness(const Section& section, const Material& material) {
   const double a = section.radius_1, b = section.radius_2, E = material.young_modulus;

@@ -18,9 +18,9 @@ namespace mane::rpc {
 /// Lifetime: owns itself from Start() until OnDone(), which gRPC calls last; a task that opens the
 ///           head shares it meanwhile.
 /// Threads:  the On*() reactions run on gRPC's few threads, the sink's calls on workers; `mutex_`
-///           guards what stands below it. None of them blocks or computes: opening a head, which may
-///           read the disk, runs on `requests`. Locks are taken in the order head's sink, stream,
-///           head's own; the registry is never called under `mutex_`.
+///           guards what stands below it. None of them blocks or computes: opening a head, which
+///           may read the disk, runs on `requests`. Locks are taken in the order head's sink,
+///           stream, head's own; the registry is never called under `mutex_`.
 /// Errors:   a bad message ends the call with INVALID_ARGUMENT; other heads notice nothing.
 class AnimateStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>,
                             public session::FrameSink {
@@ -68,11 +68,11 @@ class AnimateStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grp
   std::deque<v1::AnimateResponse> messages_;  // Opened and notices, before frames.
   bool open_asked_ = false;
   bool opening_ = false;
-  bool reading_ = false;      // From StartRead() until the message is handled.
+  bool reading_ = false;  // From StartRead() until the message is handled.
   bool writing_ = false;
-  bool half_closed_ = false;  // The client has said all.
-  bool broken_ = false;       // The peer is gone: the head may be resumed.
-  bool finished_ = false;     // Finish() was called.
+  bool half_closed_ = false;            // The client has said all.
+  bool broken_ = false;                 // The peer is gone: the head may be resumed.
+  bool finished_ = false;               // Finish() was called.
   std::optional<grpc::Status> status_;  // To finish with, once nothing is being written or opened.
 };
 

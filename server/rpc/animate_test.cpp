@@ -1,5 +1,5 @@
-// Animate against a real server over loopback: every kind of bad message ends its own stream with an
-// error that names the field, and no other; vanishing clients leave nothing behind.
+// Animate against a real server over loopback: every kind of bad message ends its own stream with
+// an error that names the field, and no other; vanishing clients leave nothing behind.
 
 #include <grpcpp/generic/generic_stub.h>
 #include <gtest/gtest.h>
@@ -208,11 +208,10 @@ TEST_F(AnimateTest, AClientThatRunsAheadGetsEveryFrameInOrder) {
 TEST_F(AnimateTest, DamagedMessagesAreToldFromTheEndOfAStream) {
   v1::AnimateRequest open;
   *open.mutable_open() = LockstepOf(groom_);
-  for (const auto& messages :
-       {std::vector<std::string>{"\xff\xff garbage"},
-        std::vector<std::string>{open.SerializeAsString(), std::string("\x0a\xff\xff\xff\x7f", 5)}}) {
-    const grpc::Status status =
-        SendRaw(server_, "/mane.v1.AnimationService/Animate", messages);
+  for (const auto& messages : {std::vector<std::string>{"\xff\xff garbage"},
+                               std::vector<std::string>{open.SerializeAsString(),
+                                                        std::string("\x0a\xff\xff\xff\x7f", 5)}}) {
+    const grpc::Status status = SendRaw(server_, "/mane.v1.AnimationService/Animate", messages);
     EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT) << status.error_message();
     EXPECT_NE(status.error_message().find("parse"), std::string::npos) << status.error_message();
   }

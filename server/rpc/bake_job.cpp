@@ -19,8 +19,7 @@ Result<std::vector<double>> Unpack(const std::string& bytes, size_t count, size_
                                    const std::string& field) {
   if (bytes.size() != count * width * sizeof(double)) {
     return InvalidArgument(field, fmt::format("{} has {} bytes; {} poses need {}", field,
-                                              bytes.size(), count,
-                                              count * width * sizeof(double)));
+                                              bytes.size(), count, count * width * sizeof(double)));
   }
   std::vector<double> numbers(count * width);
   std::memcpy(numbers.data(), bytes.data(), bytes.size());
@@ -30,9 +29,9 @@ Result<std::vector<double>> Unpack(const std::string& bytes, size_t count, size_
 Result<std::vector<session::PoseCommand>> ToMotion(const v1::PoseTrack& track) {
   const size_t count = track.times_s().size() / sizeof(double);
   if (count < 1 || count > kMaxPoses) {
-    return InvalidArgument("motion.times_s",
-                           fmt::format("motion.times_s holds {} poses; 1 to {} are allowed", count,
-                                       kMaxPoses));
+    return InvalidArgument(
+        "motion.times_s",
+        fmt::format("motion.times_s holds {} poses; 1 to {} are allowed", count, kMaxPoses));
   }
   const auto times = Unpack(track.times_s(), count, 1, "motion.times_s");
   if (!times) return times.error();

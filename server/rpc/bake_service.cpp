@@ -69,9 +69,10 @@ class BakeFrames {
 BakeService::BakeService(GroomLibrary& grooms, jobs::Queue& queue, storage::JobStore& store,
                          exec::WorkerPool& solving, exec::WorkerPool& requests)
     : grooms_(grooms), queue_(queue), store_(store), requests_(requests) {
-  queue_.RegisterRunner(kKind, [this, &solving](const storage::JobRecord&, jobs::JobContext& context) {
-    return RunBake(grooms_, solving, context);
-  });
+  queue_.RegisterRunner(kKind,
+                        [this, &solving](const storage::JobRecord&, jobs::JobContext& context) {
+                          return RunBake(grooms_, solving, context);
+                        });
 }
 
 grpc::ServerUnaryReactor* BakeService::BakeAnimation(grpc::CallbackServerContext* context,

@@ -97,8 +97,7 @@ Result<session::EnvironmentCommand> ToEnvironmentCommand(const v1::Environment& 
   }
   if (message.has_air_drag_scale()) {
     change.air_drag_scale = message.air_drag_scale();
-    const auto ok =
-        CheckRange(field + ".air_drag_scale", message.air_drag_scale(), 0, kMaxScale);
+    const auto ok = CheckRange(field + ".air_drag_scale", message.air_drag_scale(), 0, kMaxScale);
     if (!ok) return ok.error();
   }
   return change;
@@ -153,8 +152,7 @@ Result<session::HeadOptions> ToHeadOptions(const v1::OpenHead& message) {
   }
   options.pacing = message.pacing() == v1::PACING_REALTIME ? session::Pacing::kRealtime
                                                            : session::Pacing::kLockstep;
-  const auto view =
-      ToView(message.format(), message.space(), message.points_per_guide(), "open.");
+  const auto view = ToView(message.format(), message.space(), message.points_per_guide(), "open.");
   if (!view) return view.error();
   options.view = *view;
   if (message.rate_hz() != 0) {
@@ -189,9 +187,12 @@ Result<session::HeadOptions> ToHeadOptions(const v1::OpenHead& message) {
 
 v1::FrameFormat FromFormat(head::FrameFormat format) {
   switch (format) {
-    case head::FrameFormat::kPositionsFloat32: return v1::FRAME_FORMAT_POSITIONS_FLOAT32;
-    case head::FrameFormat::kPositionsQuantized16: return v1::FRAME_FORMAT_POSITIONS_QUANTIZED16;
-    case head::FrameFormat::kGeneralized: return v1::FRAME_FORMAT_GENERALIZED;
+    case head::FrameFormat::kPositionsFloat32:
+      return v1::FRAME_FORMAT_POSITIONS_FLOAT32;
+    case head::FrameFormat::kPositionsQuantized16:
+      return v1::FRAME_FORMAT_POSITIONS_QUANTIZED16;
+    case head::FrameFormat::kGeneralized:
+      return v1::FRAME_FORMAT_GENERALIZED;
   }
   return v1::FRAME_FORMAT_UNSPECIFIED;
 }

@@ -11,8 +11,8 @@
 
 namespace mane::rpc {
 
-/// Messages of groom.proto to the domain and back. Ranges are checked by the groom folder; what only
-/// the encoding can get wrong, here.
+/// Messages of groom.proto to the domain and back. Ranges are checked by the groom folder; what
+/// only the encoding can get wrong, here.
 
 [[nodiscard]] groom::GuideDescription ToDescription(const v1::Guide& message);
 void FromDescription(const groom::GuideDescription& guide, v1::Guide* message);

@@ -82,8 +82,8 @@ Result<storage::GroomRecord> GroomLibrary::Create(Draft draft) {
   record.etag = groom::Digest(g);
   record.create_time_ns = NowNanoseconds();
   const auto* rest = reinterpret_cast<const char*>(g.rest_theta.data());
-  return store_.Put(record, {EncodeContent(g),
-                             std::string(rest, g.rest_theta.size() * sizeof(Eigen::Vector3d))});
+  return store_.Put(
+      record, {EncodeContent(g), std::string(rest, g.rest_theta.size() * sizeof(Eigen::Vector3d))});
 }
 
 Result<std::shared_ptr<const groom::Groom>> GroomLibrary::Load(const std::string& name,
@@ -96,8 +96,7 @@ Result<std::shared_ptr<const groom::Groom>> GroomLibrary::Load(const std::string
     if (error.code == ErrorCode::kNotFound) error.field = field;
     return error;
   }
-  const std::string key =
-      fmt::format("{} {} {}", record->id, record->etag, record->create_time_ns);
+  const std::string key = fmt::format("{} {} {}", record->id, record->etag, record->create_time_ns);
   {
     std::lock_guard lock(mutex_);
     const auto kept = std::ranges::find(recent_, key, &decltype(recent_)::value_type::first);
@@ -114,8 +113,7 @@ Result<std::shared_ptr<const groom::Groom>> GroomLibrary::Load(const std::string
   return groom;
 }
 
-Result<std::shared_ptr<const groom::Groom>> GroomLibrary::Read(
-    const storage::GroomRecord& record) {
+Result<std::shared_ptr<const groom::Groom>> GroomLibrary::Read(const storage::GroomRecord& record) {
   const auto content = store_.GetContent(record.id);
   if (!content) return content.error();
   auto parts = DecodeContent(record, *content);

@@ -80,13 +80,16 @@ class ExportParts {
   Result<std::optional<v1::ExportGroomResponse>> Next() {
     v1::ExportGroomResponse part;
     switch (stage_) {
-      case Stage::kDescription: return Describe();
+      case Stage::kDescription:
+        return Describe();
       case Stage::kEllipsoid:
         stage_ = Stage::kGuides;
         FromEllipsoid(std::get<groom::Ellipsoid>(groom_->scalp), part.mutable_ellipsoid());
         return std::optional(part);
-      case Stage::kMesh: return MeshPiece();
-      case Stage::kGuides: break;
+      case Stage::kMesh:
+        return MeshPiece();
+      case Stage::kGuides:
+        break;
     }
     if (next_ == groom_->guides.size()) return std::optional<v1::ExportGroomResponse>();
     const size_t end = std::min(groom_->guides.size(), next_ + kGuidesPerPart);
@@ -127,8 +130,8 @@ class ExportParts {
     FromMesh({piece(mesh.vertices), piece(mesh.triangles), piece(mesh.hair_triangles)},
              part.mutable_scalp_mesh());
     next_ += kEntriesPerPart;
-    if (next_ >= std::max({mesh.vertices.size(), mesh.triangles.size(),
-                           mesh.hair_triangles.size()})) {
+    if (next_ >=
+        std::max({mesh.vertices.size(), mesh.triangles.size(), mesh.hair_triangles.size()})) {
       stage_ = Stage::kGuides;
       next_ = 0;
     }
@@ -193,9 +196,9 @@ grpc::ServerWriteReactor<v1::ExportGroomResponse>* GroomService::ExportGroom(
   return ChunkStream<v1::ExportGroomResponse>::Start(requests_, [parts] { return parts->Next(); });
 }
 
-grpc::ServerUnaryReactor* GroomService::ComputeRestShape(
-    grpc::CallbackServerContext* context, const v1::ComputeRestShapeRequest* request,
-    v1::ComputeRestShapeResponse* response) {
+grpc::ServerUnaryReactor* GroomService::ComputeRestShape(grpc::CallbackServerContext* context,
+                                                         const v1::ComputeRestShapeRequest* request,
+                                                         v1::ComputeRestShapeResponse* response) {
   return Answer(context, solving_, [this, request, response]() -> Result<void> {
     const auto groom = library_.Load(request->name(), "name");
     if (!groom) return groom.error();

@@ -15,8 +15,8 @@ using GroomServiceBase = v1::GroomService::WithRawCallbackMethod_CreateGroom<
                 v1::GroomService::WithCallbackMethod_ComputeRestShape<
                     v1::GroomService::Service>>>>>>;
 
-/// mane.v1.GroomService over a GroomLibrary. Quick work runs on `requests`; uploads and rest shapes,
-/// which may take a minute, on `solving`.
+/// mane.v1.GroomService over a GroomLibrary. Quick work runs on `requests`; uploads and rest
+/// shapes, which may take a minute, on `solving`.
 class GroomService final : public GroomServiceBase {
  public:
   GroomService(GroomLibrary& library, exec::WorkerPool& requests, exec::WorkerPool& solving)

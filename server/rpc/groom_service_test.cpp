@@ -141,7 +141,7 @@ TEST_F(GroomServiceTest, RestShapeHangsDownAndKeepsItsLength) {
                          p[3 * i + 2] - p[3 * i - 1]);
   }
   EXPECT_LE(length, 0.2 + 1e-12);
-  EXPECT_GT(length, 0.198);            // The chords of a smooth curve are nearly as long as it.
+  EXPECT_GT(length, 0.198);             // The chords of a smooth curve are nearly as long as it.
   EXPECT_LT(p[3 * 19 + 1], 0.1 - 0.1);  // Clamped level at 0.1 m, the tip hangs.
   double residual;
   std::memcpy(&residual, response.residuals().data(), sizeof residual);

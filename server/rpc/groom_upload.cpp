@@ -18,14 +18,18 @@ constexpr size_t kMaxRequestId = 64;
 Result<void> GroomUpload::Add(const v1::CreateGroomRequest& request) {
   const bool is_header = request.part_case() == v1::CreateGroomRequest::kHeader;
   if (is_header == has_header_) {
-    return InvalidArgument("header", has_header_ ? "header was sent twice"
-                                                 : "the first message must be header");
+    return InvalidArgument(
+        "header", has_header_ ? "header was sent twice" : "the first message must be header");
   }
   switch (request.part_case()) {
-    case v1::CreateGroomRequest::kHeader: return AddHeader(request.header());
-    case v1::CreateGroomRequest::kGuides: return AddGuides(request.guides());
-    case v1::CreateGroomRequest::kScalpMesh: return AddMesh(request.scalp_mesh());
-    case v1::CreateGroomRequest::PART_NOT_SET: break;
+    case v1::CreateGroomRequest::kHeader:
+      return AddHeader(request.header());
+    case v1::CreateGroomRequest::kGuides:
+      return AddGuides(request.guides());
+    case v1::CreateGroomRequest::kScalpMesh:
+      return AddMesh(request.scalp_mesh());
+    case v1::CreateGroomRequest::PART_NOT_SET:
+      break;
   }
   return InvalidArgument("part", "the message holds neither header, guides nor scalp_mesh");
 }

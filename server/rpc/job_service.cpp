@@ -67,8 +67,7 @@ grpc::ServerUnaryReactor* JobService::CancelJob(grpc::CallbackServerContext* con
                                                 const v1::CancelJobRequest* request,
                                                 v1::Job* response) {
   return Answer(context, requests_, [this, request, response] {
-    return WithJob(request->name(), response,
-                   [this](const auto& id) { return queue_.Cancel(id); });
+    return WithJob(request->name(), response, [this](const auto& id) { return queue_.Cancel(id); });
   });
 }
 

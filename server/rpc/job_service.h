@@ -14,8 +14,7 @@ void FromStatus(const jobs::JobStatus& status, v1::Job* message);
 /// mane.v1.JobService over the queue. Work runs on `requests`.
 class JobService final : public v1::JobService::CallbackService {
  public:
-  JobService(jobs::Queue& queue, exec::WorkerPool& requests)
-      : queue_(queue), requests_(requests) {}
+  JobService(jobs::Queue& queue, exec::WorkerPool& requests) : queue_(queue), requests_(requests) {}
 
   grpc::ServerUnaryReactor* GetJob(grpc::CallbackServerContext* context,
                                    const v1::GetJobRequest* request, v1::Job* response) override;

@@ -11,11 +11,12 @@
 
 namespace mane::rpc {
 
-/// One WatchJob call: the job as it is, then after every change, until it has ended. A client slower
-/// than the changes sees the newest.
+/// One WatchJob call: the job as it is, then after every change, until it has ended. A client
+/// slower than the changes sees the newest.
 ///
-/// Lifetime: owns itself until OnDone(), which ends the subscription and waits for a running callback.
-/// Threads:  the callback runs on the queue's watcher thread, reactions on gRPC's; `mutex_` guards
+/// Lifetime: owns itself until OnDone(), which ends the subscription and waits for a running
+/// callback. Threads:  the callback runs on the queue's watcher thread, reactions on gRPC's;
+/// `mutex_` guards
 ///           what stands below it.
 class JobWatch final : public grpc::ServerWriteReactor<v1::Job> {
  public:

@@ -17,9 +17,8 @@ bool IsAlphanumeric(char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <=
 
 Result<void> CheckId(const std::string& id, const std::string& field) {
   const bool valid = !id.empty() && id.size() <= kMaxId && IsAlphanumeric(id.front()) &&
-                     IsAlphanumeric(id.back()) && std::ranges::all_of(id, [](char c) {
-                       return IsAlphanumeric(c) || c == '-';
-                     });
+                     IsAlphanumeric(id.back()) &&
+                     std::ranges::all_of(id, [](char c) { return IsAlphanumeric(c) || c == '-'; });
   if (valid) return {};
   return InvalidArgument(field, fmt::format("{} is \"{}\"; it must be 1 to {} of a-z, 0-9 and -, "
                                             "and begin and end with a letter or digit",
@@ -45,8 +44,8 @@ std::string RandomId() {
 
 Result<void> CheckText(const std::string& text, size_t max_bytes, const std::string& field) {
   if (text.size() <= max_bytes) return {};
-  return InvalidArgument(field, fmt::format("{} has {} bytes; at most {} are allowed", field,
-                                            text.size(), max_bytes));
+  return InvalidArgument(
+      field, fmt::format("{} has {} bytes; at most {} are allowed", field, text.size(), max_bytes));
 }
 
 }  // namespace mane::rpc

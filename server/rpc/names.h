@@ -17,7 +17,8 @@ Result<void> CheckId(const std::string& id, const std::string& field);
 /// 16 random characters, a valid id.
 [[nodiscard]] std::string RandomId();
 
-/// kInvalidArgument when `text` is longer than `max_bytes`. (That it is UTF-8 protobuf has checked.)
+/// kInvalidArgument when `text` is longer than `max_bytes`. (That it is UTF-8 protobuf has
+/// checked.)
 Result<void> CheckText(const std::string& text, size_t max_bytes, const std::string& field);
 
 }  // namespace mane::rpc

@@ -9,10 +9,9 @@ namespace mane::rpc {
 Result<void> Parse(grpc::ByteBuffer* bytes, google::protobuf::MessageLite* message) {
   grpc::ProtoBufferReader reader(bytes);
   if (!reader.status().ok() || !message->ParseFromZeroCopyStream(&reader)) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{} bytes do not parse as {}", bytes->Length(),
-                             message->GetTypeName()),
-                 ""};
+    return Error{
+        ErrorCode::kInvalidArgument,
+        fmt::format("{} bytes do not parse as {}", bytes->Length(), message->GetTypeName()), ""};
   }
   return {};
 }

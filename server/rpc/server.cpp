@@ -50,9 +50,7 @@ class RunningServer final : public Server {
         job_service_(queue_, requests_),
         bake_service_(grooms_, queue_, *job_store_, solving_, requests_) {}
 
-  ~RunningServer() override {
-    Drain(0);
-  }
+  ~RunningServer() override { Drain(0); }
 
   Result<void> Serve(const ServerOptions& options) {
     if (const auto ok = queue_.Start(); !ok) return ok;

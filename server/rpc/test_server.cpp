@@ -21,7 +21,8 @@ auto Deadline() { return std::chrono::system_clock::now() + std::chrono::seconds
 
 }  // namespace
 
-TestServer::TestServer(ServerOptions options) : options_(std::move(options)), folder_(MakeFolder()) {
+TestServer::TestServer(ServerOptions options)
+    : options_(std::move(options)), folder_(MakeFolder()) {
   options_.listen = "127.0.0.1:0";
   options_.data_dir = folder_.string();
   Start();

@@ -10,8 +10,9 @@
 
 namespace mane::rpc {
 
-/// Answers a unary call with what `work` returns, run on `requests`: gRPC's few threads must not wait
-/// for a disk or a solver. gRPC keeps context, request and response until the call is finished.
+/// Answers a unary call with what `work` returns, run on `requests`: gRPC's few threads must not
+/// wait for a disk or a solver. gRPC keeps context, request and response until the call is
+/// finished.
 template <typename Work>
 grpc::ServerUnaryReactor* Answer(grpc::CallbackServerContext* context, exec::WorkerPool& requests,
                                  Work work) {

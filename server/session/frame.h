@@ -10,13 +10,13 @@ namespace mane::session {
 
 /// One computed frame of a head; immutable, shared by whoever sends it.
 struct Frame {
-  uint64_t index = 0;            ///< 1, 2, 3 ... in the order of computation.
-  double time = 0;               ///< Client's clock [s]: the moment that the pose belongs to.
-  math::Pose pose;               ///< head -> world.
-  std::string data;              ///< head::EncodeFrame's bytes.
-  double newest_pose_time = 0;   ///< Newest pose known then, client's clock [s].
-  double step_seconds = 0;       ///< Computing time.
-  int repaired_guides = 0;       ///< See head::StepReport.
+  uint64_t index = 0;           ///< 1, 2, 3 ... in the order of computation.
+  double time = 0;              ///< Client's clock [s]: the moment that the pose belongs to.
+  math::Pose pose;              ///< head -> world.
+  std::string data;             ///< head::EncodeFrame's bytes.
+  double newest_pose_time = 0;  ///< Newest pose known then, client's clock [s].
+  double step_seconds = 0;      ///< Computing time.
+  int repaired_guides = 0;      ///< See head::StepReport.
 };
 using FramePtr = std::shared_ptr<const Frame>;
 

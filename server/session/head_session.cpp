@@ -37,9 +37,9 @@ Result<void> HeadSession::Submit(const Command& command) {
     if (ended_) return Error{ErrorCode::kInternal, "the head has ended", ""};
     if (const auto* pose = std::get_if<PoseCommand>(&command)) {
       if (newest_time_ && pose->time <= *newest_time_) {
-        return InvalidArgument(
-            "pose.time_s", fmt::format("pose.time_s is {}; it must be above the last one, {}",
-                                       pose->time, *newest_time_));
+        return InvalidArgument("pose.time_s",
+                               fmt::format("pose.time_s is {}; it must be above the last one, {}",
+                                           pose->time, *newest_time_));
       }
       if (lockstep && newest_time_ && !pose->teleport &&
           pose->time - *newest_time_ > kLongestPoseGap) {
@@ -143,7 +143,8 @@ void HeadSession::MoveTo(const math::Pose& target, double duration) {
   repaired_ += head::Advance(*groom_, movement, environment_, &state_, pool_).repaired_guides;
 }
 
-std::shared_ptr<Frame> HeadSession::MakeFrame(double time, double newest_pose_time, double started) {
+std::shared_ptr<Frame> HeadSession::MakeFrame(double time, double newest_pose_time,
+                                              double started) {
   auto frame = std::make_shared<Frame>();
   frame->time = time;
   frame->pose = state_.pose;
@@ -237,7 +238,8 @@ void HeadSession::RunTick(double due, double now) {
   bool jump = elapsed > kLongestGap || (target && !placed_);
   for (const Command& command : commands) {
     if (std::holds_alternative<ResetCommand>(command)) head::Reset(*groom_, &state_);
-    if (const auto* change = std::get_if<EnvironmentCommand>(&command)) Apply(*change, &environment_);
+    if (const auto* change = std::get_if<EnvironmentCommand>(&command))
+      Apply(*change, &environment_);
     jump = jump || std::holds_alternative<PoseCommand>(command);
   }
   if (target) {

@@ -40,9 +40,9 @@ class FrameSink {
 ///
 /// Ownership: shared by the registry, the client's stream and the task that advances it.
 /// Threads:   every method from any thread. `mutex_` guards what stands below it and is held for
-///            moments only; the state and environment belong to the one task that runs (`running_`).
-///            `sink_mutex_` is held while the sink is called, so that Detach returns only when no
-///            call is under way; it is never taken under `mutex_`.
+///            moments only; the state and environment belong to the one task that runs
+///            (`running_`). `sink_mutex_` is held while the sink is called, so that Detach returns
+///            only when no call is under way; it is never taken under `mutex_`.
 class HeadSession : public std::enable_shared_from_this<HeadSession> {
  public:
   HeadSession(std::string name, std::shared_ptr<const groom::Groom> groom,
@@ -98,21 +98,21 @@ class HeadSession : public std::enable_shared_from_this<HeadSession> {
   // Owned by the running task.
   head::HeadState state_;
   head::Environment environment_;
-  double last_due_ = -1;         // Real time: server time of the frame before; < 0 before the first.
-  double last_pose_time_ = 0;    // Lockstep: client time of the state.
-  double shown_time_ = 0;        // Client time of the last frame.
+  double last_due_ = -1;       // Real time: server time of the frame before; < 0 before the first.
+  double last_pose_time_ = 0;  // Lockstep: client time of the state.
+  double shown_time_ = 0;      // Client time of the last frame.
   int repaired_ = 0;
-  bool placed_ = false;          // The first pose has come.
+  bool placed_ = false;  // The first pose has come.
 
   mutable std::mutex mutex_;
   bool running_ = false;
   bool ended_ = false;
-  std::deque<Command> commands_;  // Lockstep: all; real time: all but plain poses.
-  MotionBuffer motion_;           // Real time.
+  std::deque<Command> commands_;       // Lockstep: all; real time: all but plain poses.
+  MotionBuffer motion_;                // Real time.
   std::optional<double> newest_time_;  // Client time of the newest pose.
   Mailbox mailbox_;
   uint64_t next_frame_ = 1;
-  uint64_t late_ = 0;             // Missed ticks not yet told.
+  uint64_t late_ = 0;  // Missed ticks not yet told.
   double told_late_at_ = 0;
   double told_no_poses_at_ = 0;
 

@@ -34,7 +34,7 @@ class Mailbox {
  private:
   explicit Mailbox(int max_unacked) : max_unacked_(max_unacked) {}
 
-  int max_unacked_;               // 0: ordered, not acknowledged.
+  int max_unacked_;  // 0: ordered, not acknowledged.
   std::deque<FramePtr> waiting_;
   std::deque<uint64_t> unacked_;  // Indices sent, oldest first.
   uint64_t last_sent_ = 0;

@@ -11,18 +11,19 @@ namespace mane::session {
 /// The recent poses of one head, and what the client's clock shows.
 ///
 /// Client and server clocks share no origin. A pose stamped t that arrives at server time a bounds
-/// their difference: a - t is the difference plus the delay on the way, so the smallest a - t of the
-/// recent poses is the difference plus the shortest delay. Server time minus that is "now" for the
-/// client as well as the server can know it; jitter does not move it, and drift or a jump of the
-/// client's clock is followed within kMemory poses.
+/// their difference: a - t is the difference plus the delay on the way, so the smallest a - t of
+/// the recent poses is the difference plus the shortest delay. Server time minus that is "now" for
+/// the client as well as the server can know it; jitter does not move it, and drift or a jump of
+/// the client's clock is followed within kMemory poses.
 ///
 /// Threads: none of its own; guarded by its owner.
 class MotionBuffer {
  public:
-  static constexpr int kMemory = 128;             ///< Poses kept.
+  static constexpr int kMemory = 128;               ///< Poses kept.
   static constexpr double kMaxExtrapolation = 0.1;  ///< [s] beyond the newest pose.
 
-  /// Adds a pose of client time `time` [s], later than all before, received at server time `arrival`.
+  /// Adds a pose of client time `time` [s], later than all before, received at server time
+  /// `arrival`.
   void Add(double time, const math::Pose& pose, double arrival);
   /// Forgets all poses: motion before a jump says nothing about motion after it.
   void Clear() { poses_.clear(); }
@@ -34,9 +35,9 @@ class MotionBuffer {
   /// The client's clock at server time `now`. There must be a pose.
   [[nodiscard]] double ClientTime(double now) const;
 
-  /// The pose at client time `time`: between poses, interpolated; before the first, the first; after
-  /// the newest, the last two carried on for at most kMaxExtrapolation, then held. There must be a
-  /// pose.
+  /// The pose at client time `time`: between poses, interpolated; before the first, the first;
+  /// after the newest, the last two carried on for at most kMaxExtrapolation, then held. There must
+  /// be a pose.
   [[nodiscard]] math::Pose At(double time) const;
 
  private:

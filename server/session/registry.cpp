@@ -39,9 +39,9 @@ Result<OpenedHead> Registry::Open(std::shared_ptr<const groom::Groom> groom,
                                   const HeadOptions& options, const std::string& request_id,
                                   FrameSink* sink) {
   const uint64_t id = next_id_++;
-  const OpenedHead opened{std::make_shared<HeadSession>(fmt::format("heads/{}", id),
-                                                        std::move(groom), options, pool_),
-                          MakeToken()};
+  const OpenedHead opened{
+      std::make_shared<HeadSession>(fmt::format("heads/{}", id), std::move(groom), options, pool_),
+      MakeToken()};
   std::shared_ptr<HeadSession> replaced;
   {
     std::lock_guard lock(mutex_);

@@ -16,8 +16,8 @@
 namespace mane::session {
 
 struct RegistryOptions {
-  int max_heads = 1000;        ///< Open at once, detached ones included; 1 to 100,000.
-  double resume_grace = 10;    ///< How long a head waits for its broken stream to come back [s].
+  int max_heads = 1000;      ///< Open at once, detached ones included; 1 to 100,000.
+  double resume_grace = 10;  ///< How long a head waits for its broken stream to come back [s].
 };
 
 /// A head and the secret with which a broken stream comes back to it.
@@ -37,13 +37,13 @@ class Registry {
   /// Ends all heads and stops the clock.
   ~Registry();
 
-  /// A new head with `sink` attached. A `request_id` that is already open is taken for the lost first
-  /// try of the same call, and ended. At `max_heads` the head that has waited longest for its client
-  /// makes room; kResourceExhausted when none waits.
+  /// A new head with `sink` attached. A `request_id` that is already open is taken for the lost
+  /// first try of the same call, and ended. At `max_heads` the head that has waited longest for its
+  /// client makes room; kResourceExhausted when none waits.
   Result<OpenedHead> Open(std::shared_ptr<const groom::Groom> groom, const HeadOptions& options,
                           const std::string& request_id, FrameSink* sink);
-  /// The detached head of `resume_token`, attached to `sink`. A stream that still holds it is ended.
-  /// kNotFound when it has expired.
+  /// The detached head of `resume_token`, attached to `sink`. A stream that still holds it is
+  /// ended. kNotFound when it has expired.
   Result<OpenedHead> Resume(const std::string& resume_token, FrameSink* sink);
   /// The stream broke: the head stands still and waits.
   void Leave(const std::shared_ptr<HeadSession>& head, FrameSink* sink);

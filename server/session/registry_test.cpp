@@ -1,5 +1,5 @@
-// Heads among each other: lockstep replays, real time keeps its clock and its window, broken streams
-// come back, limits hold, and one head's fault or end leaves the others alone.
+// Heads among each other: lockstep replays, real time keeps its clock and its window, broken
+// streams come back, limits hold, and one head's fault or end leaves the others alone.
 
 #include "session/registry.h"
 
@@ -312,9 +312,8 @@ TEST_F(RegistryTest, ClientsAreToldWhenPosesStayAway) {
   const auto head = Open(registry, stream, Pacing::kRealtime);
   ASSERT_TRUE(stream.WaitFor([](const TestStream& s) { return !s.notices_.empty(); }));
   const auto is_no_poses = [](const Notice& n) { return n.code == Notice::Code::kNoPoses; };
-  ASSERT_TRUE(stream.WaitFor([&](const TestStream& s) {
-    return std::ranges::any_of(s.notices_, is_no_poses);
-  }));
+  ASSERT_TRUE(stream.WaitFor(
+      [&](const TestStream& s) { return std::ranges::any_of(s.notices_, is_no_poses); }));
   registry.Close(head, &stream);
 }
 

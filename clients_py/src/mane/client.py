@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import threading
 import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -14,7 +15,7 @@ from grpc_health.v1 import health_pb2, health_pb2_grpc
 from mane import channel, jobs, messages, stream
 from mane.frames import Frame, FrameFormat, Space
 from mane.groom import Ellipsoid, Groom, Guide, GuideGeneration, RestShape
-from mane.heads import LockstepHead, RealtimeHead
+from mane.heads import CLOSE_TIMEOUT_S, LockstepHead, RealtimeHead
 from mane.helix import Strands
 from mane.jobs import Job
 from mane.mesh import Mesh
@@ -85,7 +86,12 @@ class Client:
         self._jobs = job_pb2_grpc.JobServiceStub(self._channel)
 
     def close(self) -> None:
-        self._channel.close()
+        """Closes the connection, and with it what still uses it."""
+        # An interrupt (Ctrl-C) may leave a call half-way inside gRPC, whose close then waits for it
+        # for ever; so that is left to a thread that does not keep the process alive.
+        closing = threading.Thread(target=self._channel.close, daemon=True)
+        closing.start()
+        closing.join(CLOSE_TIMEOUT_S)
 
     def __enter__(self) -> Client:
         return self
