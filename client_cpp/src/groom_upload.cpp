@@ -76,8 +76,11 @@ void ForEachPart(const GroomUpload& upload, const Write& write) {
     if (!written) return;
   }
   if (const auto* guides = std::get_if<std::vector<Guide>>(&upload.guides)) {
-    WriteGuides(*guides, write);
+    if (!WriteGuides(*guides, write)) return;
   }
+  v1::CreateGroomRequest commit;
+  commit.mutable_commit();
+  write(commit);
 }
 
 }  // namespace mane::inline client

@@ -4,7 +4,9 @@
 #include <signal.h>
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -22,6 +24,7 @@ namespace mane::app {
 namespace {
 
 constexpr int kUsageError = 2;
+constexpr unsigned kLastResortSeconds = 10;
 
 std::optional<std::string> FromEnvironment(const std::string& name) {
   const char* value = std::getenv(name.c_str());  // NOLINT(concurrency-mt-unsafe)
@@ -77,6 +80,7 @@ int Serve(const Options& options) {
         options.listen, !options.tls_cert.empty(), !options.token_file.empty());
   }
   RaiseDescriptorLimit();
+  std::signal(SIGXFSZ, SIG_IGN);  // A file at its size limit is an error of the write, not the end.
 
   const Result<rpc::ServerOptions> server_options = ToServerOptions(options);
   if (!server_options) return Fail(server_options.error());
@@ -90,6 +94,9 @@ int Serve(const Options& options) {
 
   const int signal = signals.Wait();
   spdlog::info("event=draining signal={} grace_s={}", signal, options.drain_grace_s);
+  // What is computed for long, such as a huge groom's rest shape, is not waited for: everything
+  // acknowledged is on disk, so dying by SIGALRM loses nothing.
+  alarm(static_cast<unsigned>(options.drain_grace_s) + kLastResortSeconds);
   (*server)->Drain(options.drain_grace_s);
   spdlog::info("event=stopped");
   return EXIT_SUCCESS;

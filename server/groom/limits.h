@@ -11,9 +11,9 @@ struct Limits {
   /// element.
   int max_elements = 400'000;
   /// Sum over the guides of the cube of their element counts, >= 1: the time to solve the rest
-  /// shape grows with it, about a minute of one core at this limit. 250,000 guides of 20 elements;
-  /// 119 of 256.
-  double max_rest_work = 2e9;
+  /// shape grows with it, about a minute of one core at this limit: 25,000 guides of 20
+  /// elements; 11 of 256.
+  double max_rest_work = 2e8;
   /// Vertices of a scalp mesh, >= 3; 12 bytes each.
   int max_vertices = 2'000'000;
   /// Triangles of a scalp mesh, >= 1; 12 bytes each.

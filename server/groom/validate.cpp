@@ -82,7 +82,7 @@ Result<std::vector<double>> ElementLengths(const std::string& path, const GuideD
     }
   }
   const double sum = std::accumulate(lengths.begin(), lengths.end(), 0.0);
-  if (sum > kMaxLength) {
+  if (sum > kMaxLength * (1 + kSumTolerance)) {
     return InvalidArgument(
         field, fmt::format("{} sums to {} m; at most {} m is allowed", field, sum, kMaxLength));
   }
@@ -177,9 +177,10 @@ GuideDescription Describe(const Guide& guide) {
   const double first = strand.length[0];
   d.length_m = first * strand.elements();
   const bool equal = std::ranges::all_of(strand.length, [&](double l) { return l == first; });
-  if (!equal || d.length_m / d.element_count != first) {
+  if (!equal || d.length_m / d.element_count != first || d.length_m > kMaxLength ||
+      d.length_m < kMinElementLength * strand.elements()) {
     d.element_lengths_m = strand.length;
-    d.length_m = strand.TotalLength();
+    d.length_m = std::min(strand.TotalLength(), kMaxLength);
   }
   d.radius_1_m = guide.section.radius_1;
   d.radius_2_m = guide.section.radius_2;

@@ -277,6 +277,21 @@ TEST(DescribeTest, RoundTripIsExact) {
   }
 }
 
+TEST(DescribeTest, LengthsAtTheirLimitsRoundTripToo) {
+  for (const double length : {5.0, 256e-6}) {
+    for (uint32_t N = 1; N <= 256; ++N) {
+      GuideDescription d = Good();
+      d.length_m = length;
+      d.element_count = N;
+      const auto guide = MakeGuide(d, 0);
+      ASSERT_TRUE(guide) << N;
+      const auto again = MakeGuide(Describe(*guide), 0);
+      ASSERT_TRUE(again) << N << ": " << again.error().message;
+      ExpectSame(*guide, *again);
+    }
+  }
+}
+
 TEST(DescribeTest, SaysEqualThingsOnce) {
   const GuideDescription d = Describe(*MakeGuide(Good(), 0));
   EXPECT_EQ(d.length_m, 0.2);

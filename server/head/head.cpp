@@ -31,12 +31,6 @@ void PutToRest(const groom::Groom& groom, int guide, HeadState* state) {
   std::ranges::fill(strand.velocity, Vector3d::Zero());
 }
 
-// Time steps of a movement. The tolerance keeps a duration of one longest step, rounded up, whole.
-int StepCount(const Movement& movement) {
-  const double longest = std::ceil(movement.duration / kLongestStep - 1e-6);
-  return movement.substeps * std::max(1, static_cast<int>(longest));
-}
-
 // All time steps of one guide. False when it had to be put to rest.
 bool AdvanceGuide(const groom::Groom& groom, int guide, const Movement& movement, int steps,
                   const Environment& environment, HeadState* state) {
@@ -60,6 +54,12 @@ bool AdvanceGuide(const groom::Groom& groom, int guide, const Movement& movement
 }
 
 }  // namespace
+
+int StepCount(const Movement& movement) {
+  // The tolerance keeps a duration of one longest step, rounded up, whole.
+  const double longest = std::ceil(movement.duration / kLongestStep - 1e-6);
+  return movement.substeps * std::max(1, static_cast<int>(longest));
+}
 
 HeadState AtRest(const groom::Groom& groom, const math::Pose& pose) {
   HeadState state;

@@ -43,6 +43,9 @@ struct Movement {
   int substeps;
 };
 
+/// Time steps that a movement takes.
+[[nodiscard]] int StepCount(const Movement& movement);
+
 /// What a step reports besides the state.
 struct StepReport {
   int repaired_guides =

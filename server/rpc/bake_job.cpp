@@ -13,6 +13,11 @@ namespace {
 
 constexpr size_t kMaxPoses = 16'000;
 constexpr size_t kChunkBytes = 512 * 1024;
+constexpr size_t kMaxResultBytes = size_t{4} << 30;
+// Element-steps of one frame, half a second or so (session/admission.h).
+constexpr double kMaxFrameWork = 4e5;
+constexpr double kLeastPoseGap = 1e-6;  // [s], as on a stream.
+constexpr double kLongestPoseGap = 1;   // [s]
 
 // float64 numbers of a packed field that must hold `count` x `width` of them.
 Result<std::vector<double>> Unpack(const std::string& bytes, size_t count, size_t width,
@@ -41,26 +46,28 @@ Result<std::vector<session::PoseCommand>> ToMotion(const v1::PoseTrack& track) {
   if (!orientations) return orientations.error();
   std::vector<session::PoseCommand> motion;
   for (size_t i = 0; i < count; ++i) {
-    v1::HeadPose message;
-    message.set_time_s((*times)[i]);
-    v1::Vector3* p = message.mutable_pose()->mutable_position();
-    p->set_x((*positions)[3 * i]);
-    p->set_y((*positions)[3 * i + 1]);
-    p->set_z((*positions)[3 * i + 2]);
-    v1::Quaternion* q = message.mutable_pose()->mutable_orientation();
-    q->set_x((*orientations)[4 * i]);
-    q->set_y((*orientations)[4 * i + 1]);
-    q->set_z((*orientations)[4 * i + 2]);
-    q->set_w((*orientations)[4 * i + 3]);
-    const auto pose = ToPoseCommand(message, fmt::format("motion[{}]", i));
-    if (!pose) return pose.error();
-    if (i > 0 && !(pose->time > motion.back().time && pose->time <= motion.back().time + 1)) {
-      return InvalidArgument(fmt::format("motion.times_s[{}]", i),
-                             fmt::format("motion.times_s[{}] is {}; it must be above the one "
-                                         "before, {}, by at most 1 s",
-                                         i, pose->time, motion.back().time));
+    const double time = (*times)[i];
+    const auto time_field = fmt::format("motion.times_s[{}]", i);
+    if (const auto ok = CheckRange(time_field, time, -kMaxTime, kMaxTime); !ok) return ok.error();
+    if (i > 0) {
+      const auto ok = CheckRange(fmt::format("{} - motion.times_s[{}]", time_field, i - 1),
+                                 time - motion.back().time, kLeastPoseGap, kLongestPoseGap);
+      if (!ok) return InvalidArgument(time_field, ok.error().message);
     }
-    motion.push_back(*pose);
+    v1::Vector3 p;
+    p.set_x((*positions)[3 * i]);
+    p.set_y((*positions)[3 * i + 1]);
+    p.set_z((*positions)[3 * i + 2]);
+    v1::Quaternion q;
+    q.set_x((*orientations)[4 * i]);
+    q.set_y((*orientations)[4 * i + 1]);
+    q.set_z((*orientations)[4 * i + 2]);
+    q.set_w((*orientations)[4 * i + 3]);
+    const auto position = ToVector(p, fmt::format("motion.positions[{}]", i), kMaxCoordinate);
+    if (!position) return position.error();
+    const auto orientation = ToQuaternion(q, fmt::format("motion.orientations[{}]", i));
+    if (!orientation) return orientation.error();
+    motion.push_back({time, {*position, *orientation}});
   }
   return motion;
 }
@@ -83,6 +90,29 @@ Result<Bake> ToBake(const v1::BakeAnimationRequest& request) {
     bake.substeps = static_cast<int>(request.substeps());
   }
   return bake;
+}
+
+Result<void> AdmitBake(const groom::Groom& groom, const Bake& bake) {
+  const size_t bytes = head::FrameSize(groom, bake.view) * bake.motion.size();
+  if (bytes > kMaxResultBytes) {
+    return Error{ErrorCode::kResourceExhausted,
+                 fmt::format("the frames of points_per_guide {} have {} bytes together; at most {} "
+                             "are allowed: ask for fewer points or poses, or a smaller format",
+                             bake.view.points_per_guide, bytes, kMaxResultBytes),
+                 "points_per_guide"};
+  }
+  for (size_t i = 1; i < bake.motion.size(); ++i) {
+    const head::Movement movement{{}, bake.motion[i].time - bake.motion[i - 1].time, bake.substeps};
+    const double work = static_cast<double>(groom.element_count()) * head::StepCount(movement);
+    if (work > kMaxFrameWork) {
+      return Error{ErrorCode::kResourceExhausted,
+                   fmt::format("frame {} takes {} element-steps with substeps {}; at most {} are "
+                               "allowed: use fewer substeps, or poses closer together",
+                               i, work, bake.substeps, kMaxFrameWork),
+                   "substeps"};
+    }
+  }
+  return {};
 }
 
 Result<void> RunBake(GroomLibrary& grooms, exec::WorkerPool& pool, jobs::JobContext& context) {

@@ -23,6 +23,10 @@ struct Bake {
 /// kInvalidArgument names the field. The groom is not looked up.
 Result<Bake> ToBake(const v1::BakeAnimationRequest& request);
 
+/// kResourceExhausted when a frame of the bake is too much work, so that it could not be cancelled
+/// within a second, or all frames too many bytes.
+Result<void> AdmitBake(const groom::Groom& groom, const Bake& bake);
+
 /// Runs the bake in `context`'s spec, a serialised BakeAnimationRequest: the same frames as a
 /// LOCKSTEP stream of the same poses. Each result chunk is a serialised BakeChunk.
 Result<void> RunBake(GroomLibrary& grooms, exec::WorkerPool& pool, jobs::JobContext& context);

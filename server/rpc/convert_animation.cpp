@@ -7,11 +7,9 @@
 namespace mane::rpc {
 namespace {
 
-constexpr double kMaxCoordinate = 1e6;
 constexpr double kMaxWind = 100;
 constexpr double kMaxGravity = 1000;
 constexpr double kMaxScale = 1000;
-constexpr double kMaxTime = 1e12;
 constexpr size_t kMaxRequestId = 64;
 
 // Zero stands for the default.

@@ -13,6 +13,10 @@ namespace mane::rpc {
 /// Messages of animation.proto to the domain and back. Every number is checked here: `field` is the
 /// path of the message, which errors name.
 
+/// Largest coordinate [m] and time [s] that are accepted, by absolute value.
+inline constexpr double kMaxCoordinate = 1e6;
+inline constexpr double kMaxTime = 1e12;
+
 Result<Eigen::Vector3d> ToVector(const v1::Vector3& message, const std::string& field,
                                  double limit);
 /// A unit quaternion; a norm within 1 % of one is normalised.

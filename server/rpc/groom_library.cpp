@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
+#include <limits>
 
 #include "groom/digest.h"
 #include "rpc/convert_groom.h"
@@ -11,6 +12,8 @@
 
 namespace mane::rpc {
 namespace {
+
+constexpr double kNoWork = std::numeric_limits<double>::infinity();
 
 int64_t NowNanoseconds() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -118,7 +121,9 @@ Result<std::shared_ptr<const groom::Groom>> GroomLibrary::Read(const storage::Gr
   if (!content) return content.error();
   auto parts = DecodeContent(record, *content);
   if (!parts) return parts.error();
-  return groom::Assemble(*std::move(parts), limits_, &pool_);
+  // Limits are for uploads: what is stored stays usable when they are lowered.
+  constexpr int kNone = std::numeric_limits<int>::max();
+  return groom::Assemble(*std::move(parts), {kNone, kNone, kNoWork, kNone, kNone}, &pool_);
 }
 
 }  // namespace mane::rpc

@@ -35,7 +35,7 @@ class CreateGroomCall final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
         if (ok) {
           Take();
         } else {
-          Complete();
+          Finish(ToStatus(InvalidArgument("commit", "the upload ended without commit")));
         }
       } catch (const std::exception& fault) {
         Finish(ToStatus(Error{ErrorCode::kInternal, fault.what(), ""}));
@@ -48,9 +48,12 @@ class CreateGroomCall final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
  private:
   void Take() {
     v1::CreateGroomRequest request;
-    Result<void> taken = Parse(&incoming_, &request);
-    if (taken) taken = upload_.Add(request);
-    if (!taken) return Finish(ToStatus(taken.error()));
+    if (const auto parsed = Parse(&incoming_, &request); !parsed) {
+      return Finish(ToStatus(parsed.error()));
+    }
+    const Result<bool> last = upload_.Add(request);
+    if (!last) return Finish(ToStatus(last.error()));
+    if (*last) return Complete();
     StartRead(&incoming_);
   }
 

@@ -76,6 +76,26 @@ TEST_F(GroomServiceTest, EmptyAndMisshapenUploadsAreRefused) {
   EXPECT_EQ(GroomCount(), 0u);
 }
 
+TEST_F(GroomServiceTest, AnUploadThatEndsWithoutCommitStoresNothing) {
+  for (const bool cancel : {true, false}) {
+    grpc::ClientContext context;
+    v1::Groom groom;
+    const auto writer = stub()->CreateGroom(&context, &groom);
+    for (const auto& message : UploadOf({GoodGuide()})) ASSERT_TRUE(writer->Write(message));
+    if (cancel) {
+      context.TryCancel();
+    } else {
+      writer->WritesDone();
+    }
+    const grpc::Status status = writer->Finish();
+    EXPECT_FALSE(status.ok());
+    if (!cancel) {
+      EXPECT_EQ(NamedField(status), "commit");
+    }
+  }
+  EXPECT_EQ(GroomCount(), 0u);
+}
+
 TEST(GroomLimitTest, HugeGroomsAreRefused) {
   TestServer server({.max_groom_guides = 5});
   v1::Groom groom;
@@ -251,11 +271,17 @@ TEST_F(BakeTest, BadBakesAreNamedBeforeAnythingIsQueued) {
   request = Request(groom, 3);
   std::memcpy(request.mutable_motion()->mutable_positions()->data() + 8 * 4, &kNan, 8);
   Submit(request, grpc::StatusCode::INVALID_ARGUMENT);
-  EXPECT_EQ(field_, "motion[1].pose.position.y");
+  EXPECT_EQ(field_, "motion.positions[1].y");
   request = Request(groom, 3);
   std::memset(request.mutable_motion()->mutable_times_s()->data(), 0, 16);
   Submit(request, grpc::StatusCode::INVALID_ARGUMENT);
   EXPECT_EQ(field_, "motion.times_s[1]");
+  request = Request(server_.MakeGroom(250), 100);  // 750 elements, a second for the last pose.
+  request.set_substeps(64);
+  const double last = 98 / 60.0 + 1;
+  std::memcpy(request.mutable_motion()->mutable_times_s()->data() + 8 * 99, &last, 8);
+  Submit(request, grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_EQ(field_, "substeps");
 }
 
 TEST_F(BakeTest, ABakeIsSubmittedOnceAndCanBeCancelled) {

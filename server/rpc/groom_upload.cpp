@@ -15,23 +15,31 @@ constexpr size_t kMaxRequestId = 64;
 
 }  // namespace
 
-Result<void> GroomUpload::Add(const v1::CreateGroomRequest& request) {
+Result<bool> GroomUpload::Add(const v1::CreateGroomRequest& request) {
   const bool is_header = request.part_case() == v1::CreateGroomRequest::kHeader;
   if (is_header == has_header_) {
     return InvalidArgument(
         "header", has_header_ ? "header was sent twice" : "the first message must be header");
   }
+  Result<void> added;
   switch (request.part_case()) {
     case v1::CreateGroomRequest::kHeader:
-      return AddHeader(request.header());
+      added = AddHeader(request.header());
+      break;
     case v1::CreateGroomRequest::kGuides:
-      return AddGuides(request.guides());
+      added = AddGuides(request.guides());
+      break;
     case v1::CreateGroomRequest::kScalpMesh:
-      return AddMesh(request.scalp_mesh());
+      added = AddMesh(request.scalp_mesh());
+      break;
+    case v1::CreateGroomRequest::kCommit:
+      return true;
     case v1::CreateGroomRequest::PART_NOT_SET:
+      added = InvalidArgument("part", "the message holds no part of a groom");
       break;
   }
-  return InvalidArgument("part", "the message holds neither header, guides nor scalp_mesh");
+  if (!added) return added.error();
+  return false;
 }
 
 Result<void> GroomUpload::AddHeader(const v1::CreateGroomHeader& header) {
@@ -59,6 +67,10 @@ Result<void> GroomUpload::AddGuides(const v1::GuideBatch& batch) {
     }
     auto guide = groom::MakeGuide(ToDescription(message), static_cast<int>(guides_.size()));
     if (!guide) return guide.error();
+    element_count_ += guide->strand.elements();
+    if (element_count_ > library_.limits().max_elements) {
+      return groom::TooMany("guides", "elements", element_count_, library_.limits().max_elements);
+    }
     guides_.push_back(*std::move(guide));
   }
   return {};
@@ -83,7 +95,6 @@ Result<void> GroomUpload::AddMesh(const v1::TriangleMesh& piece) {
 }
 
 Result<storage::GroomRecord> GroomUpload::Finish() {
-  if (!has_header_) return InvalidArgument("header", "the first message must be header");
   if (!header_.request_id().empty()) {
     const auto earlier = library_.store().FindByRequestId(header_.request_id());
     if (!earlier) return earlier.error();

@@ -13,8 +13,9 @@ class GroomUpload {
  public:
   explicit GroomUpload(GroomLibrary& library) : library_(library) {}
 
-  /// Takes the next message. kInvalidArgument or kResourceExhausted names the field.
-  Result<void> Add(const v1::CreateGroomRequest& request);
+  /// Takes the next message; true when it was `commit`, the last. kInvalidArgument or
+  /// kResourceExhausted names the field.
+  Result<bool> Add(const v1::CreateGroomRequest& request);
   /// All messages are in: generates guides if asked to, and creates the groom.
   Result<storage::GroomRecord> Finish();
 
@@ -25,6 +26,7 @@ class GroomUpload {
 
   GroomLibrary& library_;
   bool has_header_ = false;
+  long element_count_ = 0;
   v1::CreateGroomHeader header_;
   groom::TriangleMesh mesh_;
   std::vector<groom::Guide> guides_;

@@ -11,6 +11,15 @@ namespace {
 
 constexpr size_t kMaxId = 63;
 
+// `text` for a message: its beginning, with everything but printable ASCII replaced, so that a cut
+// through a character leaves valid UTF-8.
+std::string Shown(const std::string& text) {
+  std::string shown = text.substr(0, 2 * kMaxId);
+  std::ranges::replace_if(
+      shown, [](char c) { return c < ' ' || c > '~'; }, '?');
+  return shown;
+}
+
 bool IsAlphanumeric(char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9'); }
 
 }  // namespace
@@ -22,7 +31,7 @@ Result<void> CheckId(const std::string& id, const std::string& field) {
   if (valid) return {};
   return InvalidArgument(field, fmt::format("{} is \"{}\"; it must be 1 to {} of a-z, 0-9 and -, "
                                             "and begin and end with a letter or digit",
-                                            field, id.substr(0, 2 * kMaxId), kMaxId));
+                                            field, Shown(id), kMaxId));
 }
 
 Result<std::string> ParseName(const std::string& name, std::string_view collection,
@@ -33,7 +42,7 @@ Result<std::string> ParseName(const std::string& name, std::string_view collecti
     if (CheckId(id, field)) return id;
   }
   return InvalidArgument(field, fmt::format("{} is \"{}\"; it must be a name of the form {}{{id}}",
-                                            field, name.substr(0, 2 * kMaxId), prefix));
+                                            field, Shown(name), prefix));
 }
 
 std::string RandomId() {

@@ -62,6 +62,9 @@ grpc::Status TestServer::Upload(const std::vector<v1::CreateGroomRequest>& messa
   for (const v1::CreateGroomRequest& message : messages) {
     if (!writer->Write(message)) break;
   }
+  v1::CreateGroomRequest commit;
+  commit.mutable_commit();
+  writer->Write(commit);
   writer->WritesDone();
   return writer->Finish();
 }

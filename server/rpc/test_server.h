@@ -27,7 +27,7 @@ class TestServer {
   /// Stops the server and starts it again on the same data.
   void Restart();
 
-  /// Uploads `messages`; the answer goes to `groom`.
+  /// Uploads `messages` and commits; the answer goes to `groom`.
   grpc::Status Upload(const std::vector<v1::CreateGroomRequest>& messages, v1::Groom* groom);
   /// A groom of three guides of `elements` elements; its name.
   std::string MakeGroom(uint32_t elements = 4);

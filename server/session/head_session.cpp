@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/clock.h"
+#include "session/admission.h"
 
 namespace mane::session {
 namespace {
@@ -12,7 +13,8 @@ namespace {
 // A real-time head that stood still longer than this (its client was away) goes on from where its
 // head is now, rather than moving there in one frame [s].
 constexpr double kLongestGap = 0.5;
-// Lockstep: longest time between poses [s].
+// Least time between poses, and in lockstep the longest [s].
+constexpr double kLeastPoseGap = 1e-6;
 constexpr double kLongestPoseGap = 1;
 // Least time between two notices of a kind [s].
 constexpr double kNoticePeriod = 1;
@@ -36,10 +38,11 @@ Result<void> HeadSession::Submit(const Command& command) {
     std::lock_guard lock(mutex_);
     if (ended_) return Error{ErrorCode::kInternal, "the head has ended", ""};
     if (const auto* pose = std::get_if<PoseCommand>(&command)) {
-      if (newest_time_ && pose->time <= *newest_time_) {
-        return InvalidArgument("pose.time_s",
-                               fmt::format("pose.time_s is {}; it must be above the last one, {}",
-                                           pose->time, *newest_time_));
+      if (newest_time_ && !(pose->time - *newest_time_ >= kLeastPoseGap)) {
+        return InvalidArgument(
+            "pose.time_s", fmt::format("pose.time_s is {}; it must be above the last one, {}, by "
+                                       "at least {} s",
+                                       pose->time, *newest_time_, kLeastPoseGap));
       }
       if (lockstep && newest_time_ && !pose->teleport &&
           pose->time - *newest_time_ > kLongestPoseGap) {
@@ -48,6 +51,11 @@ Result<void> HeadSession::Submit(const Command& command) {
             fmt::format("pose.time_s is {}, {} s after the last one; it must be at most {} s "
                         "(send a teleport to leave time out)",
                         pose->time, pose->time - *newest_time_, kLongestPoseGap));
+      }
+      if (lockstep && newest_time_ && !pose->teleport) {
+        const auto admitted =
+            AdmitFrame(*groom_, {{}, pose->time - *newest_time_, options_.substeps});
+        if (!admitted) return admitted;
       }
       newest_time_ = pose->time;
       if (!lockstep) {
@@ -217,8 +225,9 @@ void HeadSession::Tick(double due, int missed) {
 std::optional<math::Pose> HeadSession::RealtimeTarget(double due, double* time,
                                                       double* newest_pose_time) {
   if (motion_.empty()) return std::nullopt;
+  *time = motion_.ClientTime(due) - options_.pose_delay;
   // Never back, even when the estimate of the client's clock is corrected.
-  *time = std::max(shown_time_, motion_.ClientTime(due) - options_.pose_delay);
+  if (placed_) *time = std::max(shown_time_, *time);
   *newest_pose_time = motion_.newest_time();
   return motion_.At(*time);
 }
@@ -235,7 +244,7 @@ void HeadSession::RunTick(double due, double now) {
   }
   const double elapsed = last_due_ < 0 ? 0 : due - last_due_;
   last_due_ = due;
-  bool jump = elapsed > kLongestGap || (target && !placed_);
+  bool jump = elapsed > std::max(kLongestGap, 3 / options_.rate_hz) || (target && !placed_);
   for (const Command& command : commands) {
     if (std::holds_alternative<ResetCommand>(command)) head::Reset(*groom_, &state_);
     if (const auto* change = std::get_if<EnvironmentCommand>(&command))

@@ -100,7 +100,7 @@ class HeadSession : public std::enable_shared_from_this<HeadSession> {
   head::Environment environment_;
   double last_due_ = -1;       // Real time: server time of the frame before; < 0 before the first.
   double last_pose_time_ = 0;  // Lockstep: client time of the state.
-  double shown_time_ = 0;      // Client time of the last frame.
+  double shown_time_ = 0;      // Client time of the last frame, once placed.
   int repaired_ = 0;
   bool placed_ = false;  // The first pose has come.
 

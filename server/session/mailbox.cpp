@@ -37,6 +37,8 @@ Result<void> Mailbox::Acknowledge(uint64_t index) {
 }
 
 void Mailbox::Reconnect() {
+  skipped_ += static_cast<uint32_t>(waiting_.size());
+  waiting_.clear();
   unacked_.clear();
   last_acked_ = 0;
 }

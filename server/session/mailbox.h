@@ -25,7 +25,8 @@ class Mailbox {
   /// The client has consumed everything up to frame `index`. kInvalidArgument for an index that was
   /// never sent or is below an earlier one.
   Result<void> Acknowledge(uint64_t index);
-  /// A new stream takes over: what was out is lost and acknowledged by no one.
+  /// A new stream takes over: what was out or waiting is lost; the new stream begins with what
+  /// comes.
   void Reconnect();
 
   /// Frames waiting here.

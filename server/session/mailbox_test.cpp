@@ -63,7 +63,11 @@ TEST(MailboxTest, ANewStreamHasTheWholeWindow) {
   mailbox.Put(MakeFrame(2));
   EXPECT_EQ(mailbox.Take().frame, nullptr);
   mailbox.Reconnect();
-  EXPECT_EQ(mailbox.Take().frame->index, 2u);
+  EXPECT_EQ(mailbox.Take().frame, nullptr);  // What waited is stale.
+  mailbox.Put(MakeFrame(3));
+  const OutgoingFrame out = mailbox.Take();
+  EXPECT_EQ(out.frame->index, 3u);
+  EXPECT_EQ(out.skipped, 1u);
 }
 
 TEST(MailboxTest, OrderedKeepsAll) {

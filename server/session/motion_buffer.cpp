@@ -23,11 +23,16 @@ double MotionBuffer::ClientTime(double now) const {
 math::Pose MotionBuffer::At(double time) const {
   MANE_CHECK(!poses_.empty());
   if (poses_.size() == 1 || time <= poses_.front().time) return poses_.front().pose;
-  time = std::min(time, newest_time() + kMaxExtrapolation);
-  // The first pose after `time`, or the newest one when there is none.
-  auto after = std::ranges::upper_bound(poses_, time, {}, &TimedPose::time);
-  if (after == poses_.end()) --after;
-  const TimedPose &a = *(after - 1), &b = *after;
+  const bool beyond = time >= newest_time();
+  if (beyond) time = std::min(time, newest_time() + kMaxExtrapolation);
+  // The first pose after `time` and the one before it; beyond the newest, that and one old enough.
+  const auto after =
+      beyond ? poses_.end() - 1 : std::ranges::upper_bound(poses_, time, {}, &TimedPose::time);
+  const auto before =
+      beyond ? std::ranges::upper_bound(poses_, newest_time() - kBaseline, {}, &TimedPose::time)
+             : after;
+  if (before == poses_.begin()) return poses_.back().pose;
+  const TimedPose &a = *(before - 1), &b = *after;
   return math::Interpolate(a.pose, b.pose, (time - a.time) / (b.time - a.time));
 }
 

@@ -21,6 +21,8 @@ class MotionBuffer {
  public:
   static constexpr int kMemory = 128;               ///< Poses kept.
   static constexpr double kMaxExtrapolation = 0.1;  ///< [s] beyond the newest pose.
+  /// A speed is taken over at least this long [s]: noise in two poses at nearly one time is none.
+  static constexpr double kBaseline = 0.01;
 
   /// Adds a pose of client time `time` [s], later than all before, received at server time
   /// `arrival`.
@@ -36,8 +38,8 @@ class MotionBuffer {
   [[nodiscard]] double ClientTime(double now) const;
 
   /// The pose at client time `time`: between poses, interpolated; before the first, the first;
-  /// after the newest, the last two carried on for at most kMaxExtrapolation, then held. There must
-  /// be a pose.
+  /// after the newest, carried on at its speed since the latest pose that is kBaseline older, for
+  /// at most kMaxExtrapolation, then held. There must be a pose.
   [[nodiscard]] math::Pose At(double time) const;
 
  private:

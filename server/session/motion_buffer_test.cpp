@@ -55,6 +55,19 @@ TEST(MotionBufferTest, MotionGoesOnForATenthOfASecondAndNoLonger) {
   EXPECT_NEAR(buffer.At(60).p.x(), 1.2, 1e-12);
 }
 
+TEST(MotionBufferTest, NoiseInPosesAtNearlyOneTimeIsNoSpeed) {
+  for (const double gap : {1e-6, 1e-4, 5e-3}) {
+    MotionBuffer buffer;
+    buffer.Add(1, At(0), 1);
+    buffer.Add(1 + gap, At(0.01), 1);
+    EXPECT_EQ(buffer.At(2).p.x(), 0.01) << gap;  // Too short a baseline: held.
+    buffer.Add(1.02, At(0.02), 1.02);
+    buffer.Add(1.02 + gap, At(0.021), 1.02);
+    // At most 2 cm in the 15 ms or more to the pose before: a tenth of a second carries 0.14 m.
+    EXPECT_LT(buffer.At(2).p.x(), 0.021 + 0.1 * 0.021 / 0.015) << gap;
+  }
+}
+
 TEST(MotionBufferTest, ClearForgetsTheMotion) {
   MotionBuffer buffer;
   buffer.Add(1, At(1), 1);

@@ -9,6 +9,7 @@
 
 #include "base/check.h"
 #include "base/clock.h"
+#include "session/admission.h"
 
 namespace mane::session {
 namespace {
@@ -25,44 +26,69 @@ std::string MakeToken() {
 
 }  // namespace
 
-Registry::Registry(const RegistryOptions& options, exec::WorkerPool& pool)
-    : options_(options), pool_(pool), clock_([this](std::stop_token stop) { RunClock(stop); }) {}
+Registry::Registry(const RegistryOptions& options, exec::WorkerPool& realtime,
+                   exec::WorkerPool& lockstep)
+    : options_(options),
+      realtime_(realtime),
+      lockstep_(lockstep),
+      clock_([this](std::stop_token stop) { RunClock(stop); }) {}
 
 Registry::~Registry() {
   clock_.request_stop();
   clock_.join();
   EndAll({ErrorCode::kUnavailable, "the server is stopping", ""});
-  pool_.WaitIdle();
+  realtime_.WaitIdle();
+  lockstep_.WaitIdle();
+}
+
+Result<void> Registry::AdmitLocked(const groom::Groom& groom, const HeadOptions& options) {
+  if (!admitting_) return Error{ErrorCode::kUnavailable, "the server is stopping", ""};
+  double load = RealtimeLoad(groom, options);
+  for (const auto& [id, entry] : entries_) {
+    if (entry.sink != nullptr) load += RealtimeLoad(entry.head->groom(), entry.head->options());
+  }
+  if (RealtimeLoad(groom, options) > 0 && load > options_.realtime_capacity) {
+    return Error{ErrorCode::kResourceExhausted,
+                 fmt::format("with this head real-time heads would need {:.3g} element-steps a "
+                             "second; the server has {:.3g}: ask for fewer substeps or a lower "
+                             "rate_hz, or another server",
+                             load, options_.realtime_capacity),
+                 "open"};
+  }
+  if (static_cast<int>(entries_.size()) < options_.max_heads) return {};
+  const auto oldest = LongestDetached();
+  if (oldest == entries_.end()) {
+    return Error{ErrorCode::kResourceExhausted,
+                 fmt::format("the server holds {} heads, its limit; try again later, or another "
+                             "server",
+                             entries_.size()),
+                 ""};
+  }
+  entries_.erase(oldest);
+  return {};
 }
 
 Result<OpenedHead> Registry::Open(std::shared_ptr<const groom::Groom> groom,
                                   const HeadOptions& options, const std::string& request_id,
                                   FrameSink* sink) {
+  if (const auto ok = AdmitHead(*groom, options); !ok) return ok.error();
+  std::lock_guard handover(handover_);
   const uint64_t id = next_id_++;
+  exec::WorkerPool& pool = options.pacing == Pacing::kRealtime ? realtime_ : lockstep_;
   const OpenedHead opened{
-      std::make_shared<HeadSession>(fmt::format("heads/{}", id), std::move(groom), options, pool_),
+      std::make_shared<HeadSession>(fmt::format("heads/{}", id), groom, options, pool),
       MakeToken()};
   std::shared_ptr<HeadSession> replaced;
   {
     std::lock_guard lock(mutex_);
-    if (!request_id.empty()) {
-      const auto same = std::ranges::find_if(
-          entries_, [&](const auto& item) { return item.second.request_id == request_id; });
-      if (same != entries_.end()) {
-        replaced = same->second.head;
-        entries_.erase(same);
-      }
+    const auto same = std::ranges::find_if(entries_, [&](const auto& item) {
+      return !request_id.empty() && item.second.request_id == request_id;
+    });
+    if (same != entries_.end()) {
+      replaced = same->second.head;
+      entries_.erase(same);
     }
-    const bool full = static_cast<int>(entries_.size()) >= options_.max_heads;
-    if (const auto oldest = LongestDetached(); full && oldest != entries_.end()) {
-      entries_.erase(oldest);
-    } else if (full) {
-      return Error{ErrorCode::kResourceExhausted,
-                   fmt::format("the server holds {} heads, its limit; try again later, or another "
-                               "server",
-                               entries_.size()),
-                   ""};
-    }
+    if (const auto ok = AdmitLocked(*groom, options); !ok) return ok.error();
     Entry& entry = entries_[id];
     entry = {opened.head, opened.resume_token, request_id, sink, 0, 0};
     Schedule(id, entry);
@@ -75,10 +101,12 @@ Result<OpenedHead> Registry::Open(std::shared_ptr<const groom::Groom> groom,
 }
 
 Result<OpenedHead> Registry::Resume(const std::string& resume_token, FrameSink* sink) {
+  std::lock_guard handover(handover_);
   OpenedHead opened;
   bool held = false;
   {
     std::lock_guard lock(mutex_);
+    if (!admitting_) return Error{ErrorCode::kUnavailable, "the server is stopping", ""};
     const auto item = std::ranges::find_if(
         entries_, [&](const auto& candidate) { return candidate.second.token == resume_token; });
     if (item == entries_.end()) {
@@ -135,6 +163,17 @@ void Registry::EndAll(const Error& error) {
     entries.swap(entries_);
   }
   for (const auto& [id, entry] : entries) entry.head->End(error);
+}
+
+void Registry::StopAdmitting() {
+  std::lock_guard lock(mutex_);
+  admitting_ = false;
+}
+
+int Registry::attached_count() const {
+  std::lock_guard lock(mutex_);
+  return static_cast<int>(std::ranges::count_if(
+      entries_, [](const auto& item) { return item.second.sink != nullptr; }));
 }
 
 int Registry::head_count() const {

@@ -18,6 +18,8 @@ namespace mane::session {
 struct RegistryOptions {
   int max_heads = 1000;      ///< Open at once, detached ones included; 1 to 100,000.
   double resume_grace = 10;  ///< How long a head waits for its broken stream to come back [s].
+  /// Element-steps a second that all attached real-time heads may need together (admission.h).
+  double realtime_capacity = 1e6;
 };
 
 /// A head and the secret with which a broken stream comes back to it.
@@ -30,16 +32,20 @@ struct OpenedHead {
 ///
 /// Threads: every method from any thread. One thread of its own ticks real-time heads when they are
 /// due and lets detached heads expire; heads are spread over their period so that they do not fall
-/// due at once. `mutex_` is never held while a head or a sink is called.
+/// due at once. `mutex_` guards what stands below it and is never held while a head or a sink is
+/// called.
 class Registry {
  public:
-  Registry(const RegistryOptions& options, exec::WorkerPool& pool);
+  /// Real-time heads run on `realtime`, the others on `lockstep`, so that these do not delay those.
+  Registry(const RegistryOptions& options, exec::WorkerPool& realtime, exec::WorkerPool& lockstep);
   /// Ends all heads and stops the clock.
   ~Registry();
 
   /// A new head with `sink` attached. A `request_id` that is already open is taken for the lost
   /// first try of the same call, and ended. At `max_heads` the head that has waited longest for its
-  /// client makes room; kResourceExhausted when none waits.
+  /// client makes room. kResourceExhausted when none waits, when the head alone is too much
+  /// (AdmitHead), or when real-time heads would need more than `realtime_capacity`; kUnavailable
+  /// once StopAdmitting was called.
   Result<OpenedHead> Open(std::shared_ptr<const groom::Groom> groom, const HeadOptions& options,
                           const std::string& request_id, FrameSink* sink);
   /// The detached head of `resume_token`, attached to `sink`. A stream that still holds it is
@@ -51,10 +57,14 @@ class Registry {
   void Close(const std::shared_ptr<HeadSession>& head, FrameSink* sink);
   /// Tells every client.
   void Notify(const Notice& notice);
+  /// From now on Open and Resume fail.
+  void StopAdmitting();
   /// Ends all heads.
   void EndAll(const Error& error);
 
   [[nodiscard]] int head_count() const;
+  /// Heads that a stream holds.
+  [[nodiscard]] int attached_count() const;
 
  private:
   struct Entry {
@@ -77,10 +87,19 @@ class Registry {
   // Sets the first tick of a newly attached head and has the clock look at it.
   void Schedule(uint64_t id, Entry& entry);
 
+  // What keeps a head out, if anything does; makes room by ending a detached one. With `mutex_`.
+  Result<void> AdmitLocked(const groom::Groom& groom, const HeadOptions& options);
+
   const RegistryOptions options_;
-  exec::WorkerPool& pool_;
+  exec::WorkerPool& realtime_;
+  exec::WorkerPool& lockstep_;
+
+  // Held by Open and Resume from end to end, so that two streams which want one head get it one
+  // after the other. Taken before every other lock.
+  std::mutex handover_;
 
   mutable std::mutex mutex_;
+  bool admitting_ = true;
   std::condition_variable_any wake_;
   bool rescheduled_ = false;  // The clock must look again.
   Entries entries_;

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <condition_variable>
 #include <functional>
-#include <limits>
+#include <utility>
 
 #include "head/sample_groom.h"
 
@@ -95,7 +95,7 @@ class RegistryTest : public ::testing::Test {
 };
 
 TEST_F(RegistryTest, LockstepGivesOneFrameAPoseAndReplaysTheSameBits) {
-  Registry registry({}, pool_);
+  Registry registry({}, pool_, pool_);
   std::vector<std::vector<FramePtr>> runs;
   for (int run = 0; run < 2; ++run) {
     TestStream stream;
@@ -123,7 +123,7 @@ TEST_F(RegistryTest, LockstepGivesOneFrameAPoseAndReplaysTheSameBits) {
 }
 
 TEST_F(RegistryTest, TimesMustIncreaseAndLockstepGapsAreLimited) {
-  Registry registry({}, pool_);
+  Registry registry({}, pool_, pool_);
   TestStream stream;
   const auto head = Open(registry, stream, Pacing::kLockstep);
   ASSERT_TRUE(head->Submit(PoseCommand{5, {}}));
@@ -139,7 +139,7 @@ TEST_F(RegistryTest, TimesMustIncreaseAndLockstepGapsAreLimited) {
 }
 
 TEST_F(RegistryTest, RealtimeTicksByItself) {
-  Registry registry({}, pool_);
+  Registry registry({}, pool_, pool_);
   TestStream stream;
   const auto head = Open(registry, stream, Pacing::kRealtime);
   for (uint64_t acked = 0, i = 0; acked < 30; ++i) {
@@ -161,7 +161,7 @@ TEST_F(RegistryTest, RealtimeTicksByItself) {
 }
 
 TEST_F(RegistryTest, AReaderThatAcknowledgesNothingGetsTheWindowAndThenTheNewest) {
-  Registry registry({}, pool_);
+  Registry registry({}, pool_, pool_);
   TestStream stream;
   const auto head = Open(registry, stream, Pacing::kRealtime);
   ASSERT_TRUE(stream.WaitForFrames(3));
@@ -183,7 +183,7 @@ TEST_F(RegistryTest, AReaderThatAcknowledgesNothingGetsTheWindowAndThenTheNewest
 }
 
 TEST_F(RegistryTest, ABrokenStreamComesBackToItsHead) {
-  Registry registry({.max_heads = 10, .resume_grace = 60}, pool_);
+  Registry registry({.max_heads = 10, .resume_grace = 60}, pool_, pool_);
   TestStream first, second;
   const auto head = Open(registry, first, Pacing::kRealtime);
   ASSERT_TRUE(first.WaitForFrames(3));
@@ -204,7 +204,7 @@ TEST_F(RegistryTest, ABrokenStreamComesBackToItsHead) {
 }
 
 TEST_F(RegistryTest, ResumingTakesTheHeadFromAStreamThatStillHoldsIt) {
-  Registry registry({}, pool_);
+  Registry registry({}, pool_, pool_);
   TestStream first, second;
   const auto head = Open(registry, first, Pacing::kRealtime);
   second.Follow(head);
@@ -217,7 +217,7 @@ TEST_F(RegistryTest, ResumingTakesTheHeadFromAStreamThatStillHoldsIt) {
 }
 
 TEST_F(RegistryTest, HeadsWithoutAStreamExpire) {
-  Registry registry({.max_heads = 10, .resume_grace = 0.01}, pool_);
+  Registry registry({.max_heads = 10, .resume_grace = 0.01}, pool_, pool_);
   TestStream stream;
   const auto head = Open(registry, stream, Pacing::kRealtime);
   registry.Leave(head, &stream);
@@ -231,7 +231,7 @@ TEST_F(RegistryTest, HeadsWithoutAStreamExpire) {
 }
 
 TEST_F(RegistryTest, TheLimitRefusesButDetachedHeadsMakeRoom) {
-  Registry registry({.max_heads = 2, .resume_grace = 60}, pool_);
+  Registry registry({.max_heads = 2, .resume_grace = 60}, pool_, pool_);
   TestStream a, b, c;
   const auto first = Open(registry, a, Pacing::kLockstep);
   const auto second = Open(registry, b, Pacing::kRealtime);
@@ -247,8 +247,98 @@ TEST_F(RegistryTest, TheLimitRefusesButDetachedHeadsMakeRoom) {
   EXPECT_EQ(registry.head_count(), 0);
 }
 
+TEST_F(RegistryTest, RealtimeHeadsAreAdmittedByWhatTheyNeed) {
+  // 12 guides of 4 elements at 120 Hz need 5760 element-steps a second.
+  Registry registry({.max_heads = 10, .resume_grace = 60, .realtime_capacity = 12000}, pool_,
+                    pool_);
+  TestStream a, b, c;
+  const auto first = Open(registry, a, Pacing::kRealtime);
+  const auto second = Open(registry, b, Pacing::kRealtime);
+  HeadOptions third;
+  third.rate_hz = 120;
+  const auto refused = registry.Open(groom_, third, "", &c);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kResourceExhausted);
+  const auto lockstep = Open(registry, c, Pacing::kLockstep);  // Takes none of it.
+  registry.Close(first, &a);
+  const auto again = Open(registry, a, Pacing::kRealtime);
+  for (const auto& [head, stream] : {std::pair{second, &b}, {lockstep, &c}, {again, &a}}) {
+    registry.Close(head, stream);
+  }
+}
+
+TEST_F(RegistryTest, FramesThatAreTooMuchWorkOrTooLargeAreRefused) {
+  Registry registry({}, pool_, pool_);  // The groom has 48 elements.
+  TestStream stream;
+  const auto refused_field = [&](int substeps, int points) {
+    HeadOptions options;
+    options.pacing = Pacing::kLockstep;
+    options.substeps = substeps;
+    options.view.points_per_guide = points;
+    const auto opened = registry.Open(groom_, options, "", &stream);
+    EXPECT_FALSE(opened);
+    return opened ? "" : opened.error().field;
+  };
+  EXPECT_EQ(refused_field(1'000'000, 16), "open.substeps");
+  EXPECT_EQ(refused_field(1, 200'000), "open.points_per_guide");
+
+  HeadOptions options;
+  options.pacing = Pacing::kLockstep;
+  options.substeps = 100'000;
+  const auto opened = registry.Open(groom_, options, "", &stream);
+  ASSERT_TRUE(opened);
+  ASSERT_TRUE(opened->head->Submit(PoseCommand{0, {}}));
+  const auto result = opened->head->Submit(PoseCommand{0.5, {}});  // Five times as many steps.
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, ErrorCode::kResourceExhausted);
+  EXPECT_EQ(result.error().field, "pose.time_s");
+  registry.Close(opened->head, &stream);
+}
+
+TEST_F(RegistryTest, ASlowRateMovesHairAllTheSame) {
+  Registry registry({}, pool_, pool_);
+  TestStream stream;
+  HeadOptions options;
+  options.rate_hz = 1.5;
+  const auto opened = registry.Open(groom_, options, "", &stream);
+  ASSERT_TRUE(opened);
+  stream.Follow(opened->head);
+  ASSERT_TRUE(opened->head->Submit(EnvironmentCommand{{}, Eigen::Vector3d(9.81, 0, 0), {}, {}}));
+  ASSERT_TRUE(stream.WaitForFrames(2));
+  EXPECT_NE(stream.frames()[0]->data, stream.frames()[1]->data);
+  registry.Close(opened->head, &stream);
+}
+
+TEST_F(RegistryTest, AClockOfAnyOriginIsFollowed) {
+  Registry registry({}, pool_, pool_);
+  for (const double origin : {-1e6, 0.5, 1e9}) {
+    TestStream stream;
+    const auto head = Open(registry, stream, Pacing::kRealtime);
+    ASSERT_TRUE(head->Submit(PoseCommand{origin, {}}));
+    ASSERT_TRUE(stream.WaitFor([](const TestStream& s) {
+      return !s.frames_.empty() && s.frames_.back()->newest_pose_time != 0;
+    }));
+    ASSERT_TRUE(stream.WaitForFrames(3));
+    // Shown at the pose's time or a little later; the test's own delays count.
+    EXPECT_NEAR(stream.frames().back()->time, origin, 20) << origin;
+    registry.Close(head, &stream);
+  }
+}
+
+TEST_F(RegistryTest, AStoppingServerAdmitsNobody) {
+  Registry registry({}, pool_, pool_);
+  TestStream first, second;
+  const auto head = Open(registry, first, Pacing::kRealtime);
+  EXPECT_EQ(registry.attached_count(), 1);
+  registry.Leave(head, &first);
+  EXPECT_EQ(registry.attached_count(), 0);
+  registry.StopAdmitting();
+  EXPECT_EQ(registry.Open(groom_, {}, "", &second).error().code, ErrorCode::kUnavailable);
+  EXPECT_EQ(registry.Resume(token_, &second).error().code, ErrorCode::kUnavailable);
+}
+
 TEST_F(RegistryTest, OpeningAgainWithARequestIdReplacesTheLostTry) {
-  Registry registry({}, pool_);
+  Registry registry({}, pool_, pool_);
   TestStream lost, again;
   Open(registry, lost, Pacing::kRealtime, "try-1");
   const auto head = Open(registry, again, Pacing::kRealtime, "try-1");
@@ -259,13 +349,14 @@ TEST_F(RegistryTest, OpeningAgainWithARequestIdReplacesTheLostTry) {
 }
 
 TEST_F(RegistryTest, AFaultEndsOneHeadAndNoOther) {
-  Registry registry({}, pool_);
+  Registry registry({}, pool_, pool_);
   TestStream sick, well;
-  const auto broken = Open(registry, sick, Pacing::kLockstep);
+  HeadOptions bad;  // Validation keeps such a view out; here it stands for a fault of the program.
+  bad.pacing = Pacing::kLockstep;
+  bad.view.points_per_guide = 1;
+  const auto broken = registry.Open(groom_, bad, "", &sick)->head;
   const auto healthy = Open(registry, well, Pacing::kLockstep);
   ASSERT_TRUE(broken->Submit(PoseCommand{0, {}}));
-  // Validation keeps such a time out; here it stands for a fault of the program.
-  ASSERT_TRUE(broken->Submit(PoseCommand{std::numeric_limits<double>::quiet_NaN(), {}}));
   ASSERT_TRUE(sick.WaitFor([](const TestStream& s) { return s.end_.has_value(); }));
   EXPECT_EQ(sick.end_->code, ErrorCode::kInternal);
   EXPECT_FALSE(broken->Submit(PoseCommand{1, {}}));
@@ -276,7 +367,7 @@ TEST_F(RegistryTest, AFaultEndsOneHeadAndNoOther) {
 }
 
 TEST_F(RegistryTest, ManyStreamsComeAndGoAtOnce) {
-  Registry registry({.max_heads = 64, .resume_grace = 0.02}, pool_);
+  Registry registry({.max_heads = 64, .resume_grace = 0.02}, pool_, pool_);
   std::vector<std::jthread> clients;
   for (int c = 0; c < 6; ++c) {
     clients.emplace_back([&, c] {
@@ -307,7 +398,7 @@ TEST_F(RegistryTest, ManyStreamsComeAndGoAtOnce) {
 }
 
 TEST_F(RegistryTest, ClientsAreToldWhenPosesStayAway) {
-  Registry registry({}, pool_);
+  Registry registry({}, pool_, pool_);
   TestStream stream;
   const auto head = Open(registry, stream, Pacing::kRealtime);
   ASSERT_TRUE(stream.WaitFor([](const TestStream& s) { return !s.notices_.empty(); }));

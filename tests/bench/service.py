@@ -127,6 +127,14 @@ def measure(seconds: float, folder: Path) -> dict:
     return result
 
 
+def processor() -> str:
+    """The processor's own name where the system tells it."""
+    for line in Path("/proc/cpuinfo").read_text().splitlines():
+        if line.startswith("model name"):
+            return line.partition(":")[2].strip()
+    return platform.machine()
+
+
 def table(result: dict) -> str:
     realtime, slow = result["realtime"], result["slow_reader"]
     rows = [
@@ -152,7 +160,7 @@ def main() -> int:
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         result = measure(arguments.seconds, Path(folder))
-    result["machine"] = {"cores": os.cpu_count(), "processor": platform.processor() or platform.machine()}
+    result["machine"] = {"cores": os.cpu_count(), "processor": processor()}
     print(f"{'':42} {'measured':>18}   {'reach':>8}")
     print(table(result))
     print(json.dumps(result))

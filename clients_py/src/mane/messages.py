@@ -187,6 +187,7 @@ def create_groom(
             yield groom_pb2.CreateGroomRequest(scalp_mesh=piece)
     for batch in guide_batches(guides):
         yield groom_pb2.CreateGroomRequest(guides=batch)
+    yield groom_pb2.CreateGroomRequest(commit=groom_pb2.CommitGroom())
 
 
 def mesh_pieces(mesh: Mesh) -> Iterator[groom_pb2.TriangleMesh]:
