@@ -68,7 +68,8 @@ TEST(GroomUpload, CarriesEveryParameterOfAGuide) {
   upload.guides = std::vector{guide};
 
   const auto parts = Parts(upload);
-  ASSERT_EQ(parts.size(), 2u);
+  ASSERT_EQ(parts.size(), 3u);
+  EXPECT_TRUE(parts.back().has_commit());
   const v1::Guide& sent = parts[1].guides().guides(0);
   EXPECT_EQ(sent.root_position().z(), 3);
   EXPECT_EQ(sent.root_frame().w(), 0.5);
