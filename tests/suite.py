@@ -18,8 +18,8 @@ JOBS = str(os.cpu_count())
 
 DESCRIPTION = """
 Builds everything and runs all tests: C++ unit and end-to-end tests, Python tests, the checks of
-include arrows, API compatibility, format and lint, and the unit tests once more under
-AddressSanitizer with UndefinedBehaviorSanitizer and under ThreadSanitizer. Ends with the line
+include arrows, API compatibility and format. With --full also lint, and the unit tests once more
+under AddressSanitizer with UndefinedBehaviorSanitizer and under ThreadSanitizer. Ends with the line
 `N passed, N failed`; the exit code is 0 only when nothing failed.
 """
 
@@ -123,7 +123,7 @@ def parse_arguments() -> argparse.Namespace:
         description=DESCRIPTION,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--quick", action="store_true", help="no lint and no sanitizers")
+    parser.add_argument("--full", action="store_true", help="also lint and sanitizers")
     parser.add_argument("--slow", action="store_true", help="also the container image (minutes)")
     return parser.parse_args()
 
@@ -140,7 +140,7 @@ def main() -> int:
         run_ctest(totals, "ci")
         run_pytest(totals, "clients_py/tests", arguments.slow)
     run_pytest(totals, "tests", arguments.slow)
-    if not arguments.quick:
+    if arguments.full:
         for preset in ("asan", "tsan"):
             if build(totals, preset):
                 run_ctest(totals, preset)

@@ -110,7 +110,9 @@ int Play(mane::Head& head, const Arguments& arguments) {
   std::vector<double> ages_ms;
   std::uint64_t shown = 0;
   long ticks = 0;
-  for (double t = 0; t < arguments.seconds; t = seconds_now(), ++ticks) {
+  for (;; ++ticks) {
+    const double t = seconds_now();
+    if (t >= arguments.seconds) break;
     if (auto pushed = head.PushPose(t, PoseAt(t)); !pushed) return Fail("pose", pushed.error());
     const auto frame = head.NewestFrame();
     if (frame && frame->index != shown) {

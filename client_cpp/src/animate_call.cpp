@@ -36,9 +36,8 @@ void AnimateCall::OnWriteDone(bool ok) {
 }
 
 void AnimateCall::OnDone(const grpc::Status& status) {
-  const grpc::Status copy = status;
   const auto events = std::move(events_);
-  events->OnCallDone(std::unique_ptr<AnimateCall>(this), copy);
+  events->OnCallDone(std::unique_ptr<AnimateCall>(this), status);
 }
 
 }  // namespace mane::inline client

@@ -23,9 +23,8 @@ void ExportCall::OnReadDone(bool ok) {
 }
 
 void ExportCall::OnDone(const grpc::Status& status) {
-  const grpc::Status copy = status;
   const Done done = std::move(done_);
-  done(std::unique_ptr<ExportCall>(this), copy);
+  done(std::unique_ptr<ExportCall>(this), status);
 }
 
 }  // namespace mane::inline client

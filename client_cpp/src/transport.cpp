@@ -56,11 +56,10 @@ Result<std::shared_ptr<Transport>> Transport::Connect(const ClientOptions& optio
                              options.connect_timeout.count()),
                  "address"};
   }
-  return std::shared_ptr<Transport>(
-      new Transport(std::move(channel), options.token, options.call_timeout));
+  return std::shared_ptr<Transport>(new Transport(channel, options.token, options.call_timeout));
 }
 
-Transport::Transport(std::shared_ptr<grpc::Channel> channel, std::string token,
+Transport::Transport(const std::shared_ptr<grpc::Channel>& channel, std::string token,
                      std::chrono::milliseconds call_timeout)
     : grooms_(v1::GroomService::NewStub(channel)),
       animation_(v1::AnimationService::NewStub(channel)),

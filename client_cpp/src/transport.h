@@ -28,7 +28,7 @@ class Transport {
   v1::AnimationService::Stub& animation() const { return *animation_; }
 
  private:
-  Transport(std::shared_ptr<grpc::Channel> channel, std::string token,
+  Transport(const std::shared_ptr<grpc::Channel>& channel, std::string token,
             std::chrono::milliseconds call_timeout);
 
   std::unique_ptr<v1::GroomService::Stub> grooms_;

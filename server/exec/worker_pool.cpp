@@ -1,6 +1,5 @@
 #include "exec/worker_pool.h"
 
-#include <memory>
 #include <thread>
 #include <utility>
 
@@ -29,17 +28,24 @@ WorkerPool::~WorkerPool() { WaitIdle(); }
 void WorkerPool::Post(std::function<void()> task) {
   {
     std::lock_guard lock(mutex_);
+    tasks_.push_back(std::move(task));
     ++pending_;
   }
-  // Shared, because oneTBB keeps its own copy a little longer than the task counts as pending: what
-  // the task captured must be gone when WaitIdle returns.
-  auto owned = std::make_shared<std::function<void()>>(std::move(task));
-  arena_.enqueue([this, owned = std::move(owned)] {
-    (*owned)();
-    *owned = nullptr;
-    std::lock_guard lock(mutex_);
-    if (--pending_ == 0) idle_.notify_all();
-  });
+  arena_.enqueue([this] { RunNext(); });
+}
+
+void WorkerPool::RunNext() {
+  {
+    std::function<void()> task;
+    {
+      std::lock_guard lock(mutex_);
+      task = std::move(tasks_.front());
+      tasks_.pop_front();
+    }
+    task();
+  }  // What the task captured is gone before it counts as done.
+  std::lock_guard lock(mutex_);
+  if (--pending_ == 0) idle_.notify_all();
 }
 
 void WorkerPool::WaitIdle() {

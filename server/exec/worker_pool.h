@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <condition_variable>
+#include <deque>
 #include <functional>
 #include <mutex>
 
@@ -52,12 +53,18 @@ class WorkerPool {
   void WaitIdle();
 
  private:
+  // Runs the task posted first.
+  void RunNext();
+
   const int workers_;
   tbb::global_control parallelism_;  // The process-wide limit counts every pool's workers.
   tbb::task_arena arena_;
   std::mutex mutex_;
   std::condition_variable idle_;
-  int pending_ = 0;  // Guarded by mutex_.
+  // Guarded by mutex_. Tasks lie here rather than in oneTBB, which keeps a copy of what it runs a
+  // little longer than it takes.
+  std::deque<std::function<void()>> tasks_;
+  int pending_ = 0;  // Waiting or running.
 };
 
 }  // namespace mane::exec

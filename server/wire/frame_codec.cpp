@@ -24,7 +24,7 @@ struct Box {
 
 void EncodePositions(std::span<const Eigen::Vector3f> points, std::span<std::byte> data) {
   MANE_CHECK(data.size() == PositionsSize(points.size()));
-  if (!points.empty()) std::memcpy(data.data(), points.data(), data.size());
+  if (!points.empty()) std::memcpy(data.data(), points.data()->data(), data.size());
 }
 
 void DecodePositions(std::span<const std::byte> data, std::span<Eigen::Vector3f> points) {

@@ -96,7 +96,7 @@ TEST(FrameCodec, AnglesComeBackRoundedToFloat) {
   const std::vector<Vector3d> theta = {{0.1, -0.2, 1e-9}, {0, 12.5, -3}, {1.0 / 3, 0, 0}};
   std::vector<std::byte> data(AnglesSize(3));
   EncodeAngles(theta, data);
-  EXPECT_EQ(At<float>(data, 4 * 4), 12.5f);
+  EXPECT_EQ(At<float>(data, 16), 12.5f);
   std::vector<Vector3d> decoded(3);
   DecodeAngles(data, decoded);
   for (size_t i = 0; i < 3; ++i) EXPECT_EQ(decoded[i], theta[i].cast<float>().cast<double>());
