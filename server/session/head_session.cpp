@@ -225,7 +225,8 @@ void HeadSession::Tick(double due, int missed) {
 std::optional<math::Pose> HeadSession::RealtimeTarget(double due, double* time,
                                                       double* newest_pose_time) {
   if (motion_.empty()) return std::nullopt;
-  *time = motion_.ClientTime(due) - options_.pose_delay;
+  // What is shown is never older than the first pose.
+  *time = std::max(motion_.oldest_time(), motion_.ClientTime(due) - options_.pose_delay);
   // Never back, even when the estimate of the client's clock is corrected.
   if (placed_) *time = std::max(shown_time_, *time);
   *newest_pose_time = motion_.newest_time();
