@@ -25,7 +25,7 @@ inline constexpr double kTheta = 0.55;
 template <typename T, typename V>
 struct Reduction {
   static constexpr double kReduced = 2.5;
-  static constexpr int kMost = 16;  // Angles up to 1e5 rad; beyond, the step reports failure.
+  static constexpr int kMost = 40;  // Angles up to 1e12 rad.
   V z;                              // |theta|^2 / 4^doublings
   V doublings;                      // Of each lane.
   int most;                         // Of any lane.

@@ -188,7 +188,7 @@ void HeadSession::RunQueue() {
     const PoseCommand& pose = std::get<PoseCommand>(command);
     const double started = base::SteadySeconds();
     if (pose.teleport || !placed_) {
-      head::Teleport(pose.pose, &state_);
+      head::Teleport(*groom_, pose.pose, &state_);
       placed_ = true;
     } else {
       MoveTo(pose.pose, pose.time - last_pose_time_);
@@ -253,7 +253,7 @@ void HeadSession::RunTick(double due, double now) {
     jump = jump || std::holds_alternative<PoseCommand>(command);
   }
   if (target) {
-    if (jump) head::Teleport(*target, &state_);
+    if (jump) head::Teleport(*groom_, *target, &state_);
     placed_ = true;
   }
   if (elapsed > 0 && !jump) MoveTo(target.value_or(state_.pose), elapsed);
