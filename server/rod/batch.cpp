@@ -152,7 +152,7 @@ void Batch<T>::GetAngles(int strand, std::span<const Row<T>> state,
 
 template <typename T>
 void Batch<T>::RotateVelocities(const Matrix3d& turn, std::span<Row<T>> state) const {
-  const Eigen::Matrix<T, 3, 3> R(turn.cast<T>());
+  Eigen::Matrix<T, 3, 3> R = turn.cast<T>();
   for (size_t first = 0; first < state_rows_; first += layout::kStatePerElement) {
     for (int g = 0; g < kGaussPoints; ++g) {
       Row<T>* const rows = &state[first + layout::kVelocities + 3 * g];
