@@ -157,6 +157,9 @@ std::shared_ptr<Frame> HeadSession::MakeFrame(double time, double newest_pose_ti
   frame->time = time;
   frame->pose = state_.pose;
   frame->data = head::EncodeFrame(*groom_, state_, options_.view, pool_);
+  if (options_.diagnostics) {
+    frame->diagnostics = head::Diagnose(*groom_, state_, environment_, pool_);
+  }
   frame->newest_pose_time = newest_pose_time;
   frame->repaired_guides = std::exchange(repaired_, 0);
   frame->step_seconds = base::SteadySeconds() - started;
