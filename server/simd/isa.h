@@ -14,8 +14,8 @@ enum class Isa { kScalar, kNeon, kAvx2, kAvx512 };
 /// What it is called: "scalar", "neon", "avx2", "avx512".
 [[nodiscard]] std::string_view Name(Isa isa);
 
-/// What this machine can run, slowest first; always begins with kScalar. kAvx2 includes FMA, kAvx512
-/// the subsets F, BW, DQ and VL.
+/// What this machine can run, slowest first; always begins with kScalar. kAvx2 includes FMA,
+/// kAvx512 the subsets F, BW, DQ and VL.
 [[nodiscard]] std::span<const Isa> Supported();
 
 /// The supported set called `name`, or the fastest one for an empty name. INVALID_ARGUMENT (field
