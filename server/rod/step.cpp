@@ -89,6 +89,41 @@ void AddElasticity(const Strand& strand, int Q, const Vector3d& theta, const Coe
   cost->gv -= c.h * K.cwiseProduct(theta - l * strand.natural[Q]);
 }
 
+// The convex part of the quadratic form (w.D) |x|^2 - (w.x)(D.x): how much higher a weight w hangs
+// that is turned by the rotation vector x at the end of an arm D (S9).
+Matrix3d TurningStiffness(const Vector3d& w, const Vector3d& D) {
+  const double size = w.norm() * D.norm();
+  if (size == 0) return Matrix3d::Zero();
+  const Vector3d a = w.normalized(), b = D.normalized();
+  const double cosine = a.dot(b);
+  const Matrix3d across = (a - b) * (a - b).transpose();
+  if (cosine <= 0) return size * (1 + cosine) / (4 - 4 * cosine) * across;
+  const Matrix3d along = (a + b) * (a + b).transpose();
+  return size * (cosine * (Matrix3d::Identity() - along / (2 + 2 * cosine)) + across / 4);
+}
+
+// Turning stiffness of `weight`, h (g + drag of the air that passes), and extrapolated spins at the
+// right ends of all elements.
+void AddWeights(const Strand& strand, double h, const Vector3d& weight, const StrandState& state,
+                const Vector3d& spin, std::vector<Element>& elements,
+                const std::vector<ElementEnd>& ends) {
+  const int N = strand.elements();
+  Vector3d omega = spin;
+  for (int Q = 0; Q < N; ++Q) {
+    omega += elements[Q].S.bottomRows<3>() * state.rate[Q];
+    elements[Q].spin = omega;
+  }
+  double beyond = 0;
+  Vector3d next = Vector3d::Zero();  // Arm of the element beyond.
+  for (int Q = N - 1; Q >= 0; --Q) {
+    const double l = strand.length[Q], mass = strand.linear_density * l;
+    const Vector3d arm = beyond * elements[Q].d + mass * l * (elements[Q].R * ends[Q].c);
+    elements[Q].weight = h * TurningStiffness(weight, 0.5 * (arm + next));
+    next = arm;
+    beyond += mass;
+  }
+}
+
 // Adds the cost beyond the right end, whose twist is X V + S v with X = (I, -[d]; 0, I).
 void AddBeyond(const Element& element, const CostToGo& beyond, ElementCost* cost) {
   Matrix6d X = Matrix6d::Identity();
@@ -150,6 +185,10 @@ bool Step(const Strand& strand, const ClampMotion& clamp, const Surroundings& ai
   Linearise(strand, middle.q.toRotationMatrix(), c.h, state, scratch.elements, scratch.ends);
 
   // Tip to root: eliminate each element's rates.
+  const Vector3d velocity = (clamp.end.p - clamp.begin.p) / clamp.dt;
+  const Vector3d spin = math::RotationVector(clamp.end.q * clamp.begin.q.conjugate()) / clamp.dt;
+  AddWeights(strand, c.h, c.body - (c.inertia - 1) * velocity, state, spin, scratch.elements,
+             scratch.ends);
   CostToGo beyond;
   for (int Q = N - 1; Q >= 0; --Q) {
     Element& element = scratch.elements[Q];
@@ -159,14 +198,16 @@ bool Step(const Strand& strand, const ClampMotion& clamp, const Surroundings& ai
     cost.V.A.bottomLeftCorner<3, 3>() = cost.V.A.topRightCorner<3, 3>().transpose();
     AddBodyForce(element, scratch.ends[Q], strand.length[Q], mass, c.body, &cost);
     AddElasticity(strand, Q, state.theta[Q], c, &cost);
+    beyond.A.bottomRightCorner<3, 3>() += element.weight;
+    beyond.b.tail<3>() += element.weight * element.spin;
     AddBeyond(element, beyond, &cost);
     beyond = Eliminate(cost, &element);
   }
 
   // Root to tip: the clamp's twist is known, so are all others.
   Vector6d V;
-  V.head<3>() = (clamp.end.p - clamp.begin.p) / clamp.dt;
-  V.tail<3>() = math::RotationVector(clamp.end.q * clamp.begin.q.conjugate()) / clamp.dt;
+  V.head<3>() = velocity;
+  V.tail<3>() = spin;
   double magnitude = 0;
   for (int Q = 0; Q < N; ++Q) {
     const Element& element = scratch.elements[Q];

@@ -49,6 +49,8 @@ struct StepScratch {
     Eigen::Matrix<double, 6, 3> S;  ///< Right end's twist per rate.
     Eigen::Matrix<double, 3, 6> L;  ///< rate = k - L V
     Eigen::Vector3d k;
+    Eigen::Matrix3d weight;           ///< Turning stiffness of weight at the right end (S9).
+    Eigen::Vector3d spin;             ///< Right end's extrapolated angular velocity, world [rad/s].
     Eigen::Vector3d r[kGaussPoints];  ///< Gauss points from the left end, world [m].
     Eigen::Matrix3d J[kGaussPoints];  ///< Their velocity per rate.
   };
