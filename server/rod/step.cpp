@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/check.h"
@@ -211,7 +212,8 @@ bool Step(const Strand& strand, const ClampMotion& clamp, const Surroundings& ai
   double magnitude = 0;
   for (int Q = 0; Q < N; ++Q) {
     const Element& element = scratch.elements[Q];
-    const Vector3d v = element.k - element.L * V;
+    Vector3d v = element.k - element.L * V;
+    v *= std::min(1.0, kLargestTurn / std::max(clamp.dt * v.norm(), 1e-300));
     for (int g = 0; g < kGaussPoints; ++g) {
       Vector3d& u = state.velocity[Q * kGaussPoints + g];
       const Vector3d u_theta = V.head<3>() + V.tail<3>().cross(element.r[g]) + element.J[g] * v;
