@@ -20,6 +20,7 @@ inline constexpr double kWeights[layout::kPoints] = {0.17392742256872693, 0.3260
                                                      0.32607257743127307, 0.17392742256872693};
 inline constexpr double kTheta = 0.55;
 inline constexpr double kLargestTurn = 1e3;
+inline constexpr double kLeastFriction = 0.5;
 
 /// Stumpff functions at many arguments reduced together: series up to kReduced, then doublings,
 /// each lane as many as its own angle needs, so that no lane depends on its neighbours.
@@ -386,10 +387,16 @@ template <typename T, int W>
   const V inverse = Row(constants, layout::kInverseLength);
   const Vec hk = (step.h * inverse) * step.stiffness;
   const Vec force = Times(hk, Rows(state, layout::kAngles) - Rows(constants, layout::kNatural));
-  const Vec k = step.h * hk;
+  const V friction = step.friction * inverse;
+  const auto damped = [&](const V& k) {
+    const V least = T(kLeastFriction) * k;
+    return k + (friction > least ? friction : least);
+  };
+  const Vec stiff = step.h * hk;
+  const Vec k{damped(stiff.x), damped(stiff.y), damped(stiff.z)};
   rates.g -= e.R * force;
   // sum k_i n_i n_i^T, of which k_1 n_1 n_1^T = k_1 (1 - n_0 n_0^T - n_2 n_2^T).
-  const V even = k.y + step.friction * inverse;
+  const V even = k.y;
   rates.H.xx += even, rates.H.yy += even, rates.H.zz += even;
   AddOuter(rates.H, (k.x - k.y) * e.R.n0, e.R.n0);
   AddOuter(rates.H, (k.z - k.y) * e.R.n2, e.R.n2);

@@ -85,8 +85,8 @@ void AddElasticity(const Strand& strand, int Q, const Vector3d& theta, const Coe
                    ElementCost* cost) {
   const double l = strand.length[Q];
   const Vector3d K = strand.stiffness / l;
-  cost->Hvv.diagonal() += c.h * c.h * K;
-  cost->Hvv.diagonal().array() += c.h * c.gamma / l;
+  const Vector3d stiff = c.h * c.h * K;
+  cost->Hvv.diagonal() += stiff + (kLeastFriction * stiff).cwiseMax(c.h * c.gamma / l);
   cost->gv -= c.h * K.cwiseProduct(theta - l * strand.natural[Q]);
 }
 
