@@ -138,6 +138,9 @@ StepReport Advance(const groom::Groom& groom, const Movement& movement,
                    const Environment& environment, HeadState* state, exec::WorkerPool& pool) {
   MANE_CHECK(movement.duration > 0 && movement.substeps >= 1);
   MANE_CHECK(state->guides.size() == groom.batch.state_rows());
+  if ((movement.target.p - state->pose.p).norm() > kFastestHead * movement.duration) {
+    Teleport(groom, movement.target, state);
+  }
   thread_local std::vector<StepDrive> own_drives;
   std::vector<StepDrive>& drives = own_drives;
   const WindField wind(environment.wind, environment.wind_variation);
