@@ -70,7 +70,7 @@ Result<void> HeadSession::Submit(const Command& command) {
     if (!lockstep || running_) return {};
     running_ = true;
   }
-  Start([this] { RunQueue(); });
+  Start([this] { RunCommand(); });
   return {};
 }
 
@@ -168,44 +168,43 @@ std::shared_ptr<Frame> HeadSession::MakeFrame(double time, double newest_pose_ti
 
 // --- lockstep ---
 
-void HeadSession::RunQueue() {
-  while (true) {
-    Command command;
-    {
-      std::lock_guard lock(mutex_);
-      if (commands_.empty() || ended_) {
-        running_ = false;
-        return;
-      }
-      command = std::move(commands_.front());
-      commands_.pop_front();
+void HeadSession::RunCommand() {
+  Command command;
+  {
+    std::lock_guard lock(mutex_);
+    if (commands_.empty() || ended_) {
+      running_ = false;
+      return;
     }
-    if (std::holds_alternative<ResetCommand>(command)) {
-      head::Reset(*groom_, &state_);
-      continue;
-    }
-    if (const auto* change = std::get_if<EnvironmentCommand>(&command)) {
-      Apply(*change, &environment_);
-      continue;
-    }
-    const PoseCommand& pose = std::get<PoseCommand>(command);
+    command = std::move(commands_.front());
+    commands_.pop_front();
+  }
+  std::shared_ptr<Frame> frame;
+  if (const auto* pose = std::get_if<PoseCommand>(&command)) {
     const double started = base::SteadySeconds();
-    if (pose.teleport || !placed_) {
-      head::Teleport(*groom_, pose.pose, &state_);
+    if (pose->teleport || !placed_) {
+      head::Teleport(*groom_, pose->pose, &state_);
       placed_ = true;
     } else {
-      MoveTo(pose.pose, pose.time - last_pose_time_);
+      MoveTo(pose->pose, pose->time - last_pose_time_);
     }
-    last_pose_time_ = pose.time;
-    auto frame = MakeFrame(pose.time, pose.time, started);
-    {
-      std::lock_guard lock(mutex_);
+    last_pose_time_ = pose->time;
+    frame = MakeFrame(pose->time, pose->time, started);
+  } else if (const auto* change = std::get_if<EnvironmentCommand>(&command)) {
+    Apply(*change, &environment_);
+  } else {
+    head::Reset(*groom_, &state_);
+  }
+  {
+    std::lock_guard lock(mutex_);
+    if (frame) {
       frame->index = next_frame_++;
       mailbox_.Put(std::move(frame));
     }
-    std::lock_guard lock(sink_mutex_);
-    if (sink_ != nullptr) sink_->OnProgress();
+    running_ = !commands_.empty() && !ended_;
+    if (!running_) return;
   }
+  Start([this] { RunCommand(); });  // Behind the heads that wait already.
 }
 
 // --- real time ---

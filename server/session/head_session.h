@@ -79,7 +79,9 @@ class HeadSession : public std::enable_shared_from_this<HeadSession> {
 
  private:
   void RunTick(double due, double now);
-  void RunQueue();
+  // Lockstep: one command, then to the end of the pool's line: a client that always has more keeps
+  // no worker from other heads.
+  void RunCommand();
   // Runs `work` on the pool as this head's only task; a failed check ends the head.
   template <typename Work>
   void Start(Work work);

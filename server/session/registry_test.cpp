@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
@@ -70,6 +71,35 @@ class TestStream final : public FrameSink {
   std::shared_ptr<HeadSession> head_;
 };
 
+// A lockstep client that always has more poses waiting.
+class TirelessStream final : public FrameSink {
+ public:
+  void Run(HeadSession* head) {
+    head_ = head;
+    OnProgress();
+  }
+  void Stop() { stopped_ = true; }
+  void OnProgress() override {
+    HeadSession* head = head_;
+    if (head == nullptr) return;
+    while (head->TakeFrame().frame) ++frames_;
+    std::lock_guard lock(mutex_);
+    while (!stopped_ && head->Backlog() < 8) {
+      EXPECT_TRUE(head->Submit(PoseCommand{++poses_ / 60.0, {}}));
+    }
+  }
+  void OnNotice(const Notice& /*notice*/) override {}
+  void OnEnd(const Error& /*error*/) override {}
+  [[nodiscard]] int frames() const { return frames_; }
+
+ private:
+  std::atomic<HeadSession*> head_ = nullptr;
+  std::atomic<bool> stopped_ = false;
+  std::atomic<int> frames_ = 0;
+  std::mutex mutex_;
+  int poses_ = 0;
+};
+
 class RegistryTest : public ::testing::Test {
  protected:
   std::shared_ptr<HeadSession> Open(Registry& registry, TestStream& stream, Pacing pacing,
@@ -120,6 +150,25 @@ TEST_F(RegistryTest, LockstepGivesOneFrameAPoseAndReplaysTheSameBits) {
     EXPECT_EQ(runs[0][i]->data, runs[1][i]->data) << i;
   }
   EXPECT_NE(runs[0][10]->data, runs[0][20]->data);
+}
+
+TEST_F(RegistryTest, ALockstepHeadThatAlwaysHasMoreLeavesOthersTheirTurn) {
+  exec::WorkerPool one(1);
+  Registry registry({}, pool_, one);
+  TirelessStream busy;
+  HeadOptions options;
+  options.pacing = Pacing::kLockstep;
+  const auto tireless = registry.Open(groom_, options, "", &busy);
+  ASSERT_TRUE(tireless);
+  busy.Run(tireless->head.get());
+  TestStream stream;
+  const auto head = Open(registry, stream, Pacing::kLockstep);
+  for (int i = 0; i < 5; ++i) EXPECT_TRUE(head->Submit(Pose(i)));
+  EXPECT_TRUE(stream.WaitForFrames(5));
+  EXPECT_GT(busy.frames(), 0);
+  busy.Stop();
+  registry.Close(tireless->head, &busy);
+  registry.Close(head, &stream);
 }
 
 TEST_F(RegistryTest, TimesMustIncreaseAndLockstepGapsAreLimited) {
