@@ -38,19 +38,18 @@ Result<void> HeadSession::Submit(const Command& command) {
     std::lock_guard lock(mutex_);
     if (ended_) return Error{ErrorCode::kInternal, "the head has ended", ""};
     if (const auto* pose = std::get_if<PoseCommand>(&command)) {
+      const char* const field = pose->teleport ? "teleport.time_s" : "pose.time_s";
       if (newest_time_ && !(pose->time - *newest_time_ >= kLeastPoseGap)) {
-        return InvalidArgument(
-            "pose.time_s", fmt::format("pose.time_s is {}; it must be above the last one, {}, by "
-                                       "at least {} s",
-                                       pose->time, *newest_time_, kLeastPoseGap));
+        return InvalidArgument(field, fmt::format("{} is {}; it must be above the last one, {}, by "
+                                                  "at least {} s",
+                                                  field, pose->time, *newest_time_, kLeastPoseGap));
       }
       if (lockstep && newest_time_ && !pose->teleport &&
           pose->time - *newest_time_ > kLongestPoseGap) {
         return InvalidArgument(
-            "pose.time_s",
-            fmt::format("pose.time_s is {}, {} s after the last one; it must be at most {} s "
-                        "(send a teleport to leave time out)",
-                        pose->time, pose->time - *newest_time_, kLongestPoseGap));
+            field, fmt::format("{} is {}, {} s after the last one; it must be at most {} s "
+                               "(send a teleport to leave time out)",
+                               field, pose->time, pose->time - *newest_time_, kLongestPoseGap));
       }
       if (lockstep && newest_time_ && !pose->teleport) {
         const auto admitted =

@@ -182,6 +182,9 @@ TEST_F(RegistryTest, TimesMustIncreaseAndLockstepGapsAreLimited) {
     EXPECT_EQ(result.error().code, ErrorCode::kInvalidArgument);
     EXPECT_EQ(result.error().field, "pose.time_s");
   }
+  const auto back = head->Submit(PoseCommand{4, {}, /*teleport=*/true});
+  ASSERT_FALSE(back);
+  EXPECT_EQ(back.error().field, "teleport.time_s");
   EXPECT_TRUE(head->Submit(PoseCommand{100, {}, /*teleport=*/true}));
   EXPECT_TRUE(head->Submit(PoseCommand{101, {}}));
   registry.Close(head, &stream);
