@@ -36,7 +36,7 @@ Result<void> HeadSession::Submit(const Command& command) {
   const bool lockstep = options_.pacing == Pacing::kLockstep;
   {
     std::lock_guard lock(mutex_);
-    if (ended_) return Error{ErrorCode::kInternal, "the head has ended", ""};
+    if (end_) return Error{ErrorCode::kInternal, "the head has ended", ""};
     if (const auto* pose = std::get_if<PoseCommand>(&command)) {
       const char* const field = pose->teleport ? "teleport.time_s" : "pose.time_s";
       if (newest_time_ && !(pose->time - *newest_time_ >= kLeastPoseGap)) {
@@ -95,13 +95,20 @@ uint64_t HeadSession::next_frame() const {
 }
 
 void HeadSession::Attach(FrameSink* sink) {
+  // Held throughout: an End of now either finds the sink or is found here.
+  std::lock_guard sink_lock(sink_mutex_);
+  std::optional<Error> end;
   {
     std::lock_guard lock(mutex_);
     mailbox_.Reconnect();
     told_no_poses_at_ = base::SteadySeconds();
+    end = end_;
   }
-  std::lock_guard lock(sink_mutex_);
-  sink_ = sink;
+  if (end) {
+    sink->OnEnd(*end);
+  } else {
+    sink_ = sink;
+  }
 }
 
 void HeadSession::Detach(FrameSink* sink) {
@@ -119,7 +126,7 @@ void HeadSession::Displace() {
 void HeadSession::End(const Error& error) {
   {
     std::lock_guard lock(mutex_);
-    ended_ = true;
+    if (!end_) end_ = error;
     commands_.clear();
   }
   std::lock_guard lock(sink_mutex_);
@@ -171,7 +178,7 @@ void HeadSession::RunCommand() {
   Command command;
   {
     std::lock_guard lock(mutex_);
-    if (commands_.empty() || ended_) {
+    if (commands_.empty() || end_) {
       running_ = false;
       return;
     }
@@ -200,7 +207,7 @@ void HeadSession::RunCommand() {
       frame->index = next_frame_++;
       mailbox_.Put(std::move(frame));
     }
-    running_ = !commands_.empty() && !ended_;
+    running_ = !commands_.empty() && !end_;
     if (!running_) return;
   }
   Start([this] { RunCommand(); });  // Behind the heads that wait already.
@@ -212,7 +219,7 @@ void HeadSession::Tick(double due, int missed) {
   const double now = base::SteadySeconds();
   {
     std::lock_guard lock(mutex_);
-    if (ended_) return;
+    if (end_) return;
     late_ += missed;
     if (running_) {
       ++late_;

@@ -63,7 +63,8 @@ class HeadSession : public std::enable_shared_from_this<HeadSession> {
   [[nodiscard]] int Backlog() const;
   [[nodiscard]] uint64_t next_frame() const;
 
-  /// Directs frames to `sink`, until Detach. A head without a sink stands still.
+  /// Directs frames to `sink`, until Detach. A head without a sink stands still. A head that has
+  /// ended tells the sink at once.
   void Attach(FrameSink* sink);
   /// Returns when no call of `sink` is under way; none follows. Nothing if another one took over.
   void Detach(FrameSink* sink);
@@ -108,7 +109,7 @@ class HeadSession : public std::enable_shared_from_this<HeadSession> {
 
   mutable std::mutex mutex_;
   bool running_ = false;
-  bool ended_ = false;
+  std::optional<Error> end_;           // Why, once the head has ended.
   std::deque<Command> commands_;       // Lockstep: all; real time: all but plain poses.
   MotionBuffer motion_;                // Real time.
   std::optional<double> newest_time_;  // Client time of the newest pose.

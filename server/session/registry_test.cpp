@@ -298,6 +298,16 @@ TEST_F(RegistryTest, ResumingTakesTheHeadFromAStreamThatStillHoldsIt) {
   registry.Close(head, &second);
 }
 
+TEST_F(RegistryTest, AStreamThatComesToAnEndedHeadIsTold) {
+  const auto head = std::make_shared<HeadSession>("heads/1", groom_, HeadOptions(), pool_);
+  head->End({ErrorCode::kUnavailable, "the server is stopping", ""});
+  head->End({ErrorCode::kInternal, "too late", ""});
+  TestStream stream;
+  head->Attach(&stream);
+  ASSERT_TRUE(stream.end_);
+  EXPECT_EQ(stream.end_->code, ErrorCode::kUnavailable);
+}
+
 TEST_F(RegistryTest, HeadsWithoutAStreamExpire) {
   Registry registry({.max_heads = 10, .resume_grace = 0.01}, pool_, pool_);
   TestStream stream;
