@@ -42,10 +42,10 @@ class Registry {
   ~Registry();
 
   /// A new head with `sink` attached. A `request_id` that is already open is taken for the lost
-  /// first try of the same call, and ended. At `max_heads` the head that has waited longest for its
-  /// client makes room. kResourceExhausted when none waits, when the head alone is too much
-  /// (AdmitHead), or when real-time heads would need more than `realtime_capacity`; kUnavailable
-  /// once StopAdmitting was called.
+  /// first try of the same call, and ended if this one is admitted. At `max_heads` the head that
+  /// has waited longest for its client makes room. kResourceExhausted when none waits, when the
+  /// head alone is too much (AdmitHead), or when real-time heads would need more than
+  /// `realtime_capacity`; kUnavailable once StopAdmitting was called.
   Result<OpenedHead> Open(std::shared_ptr<const groom::Groom> groom, const HeadOptions& options,
                           const std::string& request_id, FrameSink* sink);
   /// The detached head of `resume_token`, attached to `sink`. A stream that still holds it is
@@ -87,8 +87,11 @@ class Registry {
   // Sets the first tick of a newly attached head and has the clock look at it.
   void Schedule(uint64_t id, Entry& entry);
 
-  // What keeps a head out, if anything does; makes room by ending a detached one. With `mutex_`.
-  Result<void> AdmitLocked(const groom::Groom& groom, const HeadOptions& options);
+  // What keeps a head out, if anything does; else the entry that leaves for it, or end(): the one
+  // of the same `request_id`, or at `max_heads` the one detached longest. Changes nothing, so that
+  // who is refused harms nobody. With `mutex_`.
+  Result<Entries::iterator> AdmitLocked(const groom::Groom& groom, const HeadOptions& options,
+                                        const std::string& request_id);
 
   const RegistryOptions options_;
   exec::WorkerPool& realtime_;

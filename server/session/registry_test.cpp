@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "head/sample_groom.h"
+#include "session/admission.h"
 
 namespace mane::session {
 namespace {
@@ -438,6 +439,32 @@ TEST_F(RegistryTest, OpeningAgainWithARequestIdReplacesTheLostTry) {
   EXPECT_EQ(registry.head_count(), 1);
   ASSERT_TRUE(again.WaitForFrames(2));
   registry.Close(head, &again);
+}
+
+TEST_F(RegistryTest, AReplacementThatIsRefusedLeavesTheOldHeadAlone) {
+  HeadOptions options;
+  options.rate_hz = 120;
+  const double load = RealtimeLoad(*groom_, options);
+  Registry registry({.max_heads = 1, .resume_grace = 60, .realtime_capacity = 1.5 * load}, pool_,
+                    pool_);
+  TestStream first, second, third;
+  const auto head = Open(registry, first, Pacing::kRealtime, "try-1");
+  options.rate_hz = 240;
+  const auto refused = registry.Open(groom_, options, "try-1", &second);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kResourceExhausted);
+  EXPECT_EQ(registry.head_count(), 1);
+  EXPECT_FALSE(first.end_);
+  const uint64_t last = head->next_frame() + 3;
+  ASSERT_TRUE(first.WaitFor([&](const TestStream& s) {  // It goes on,
+    return !s.frames_.empty() && head->Acknowledge(s.frames_.back()->index) &&
+           s.frames_.back()->index >= last;
+  }));
+  // and an equal one takes its place, as what leaves needs nothing more.
+  const auto replacement = Open(registry, third, Pacing::kRealtime, "try-1");
+  ASSERT_NE(replacement, nullptr);
+  ASSERT_TRUE(first.WaitFor([](const TestStream& s) { return s.end_.has_value(); }));
+  registry.Close(replacement, &third);
 }
 
 TEST_F(RegistryTest, AFaultEndsOneHeadAndNoOther) {
