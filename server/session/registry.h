@@ -97,8 +97,8 @@ class Registry {
   exec::WorkerPool& realtime_;
   exec::WorkerPool& lockstep_;
 
-  // Held by Open and Resume from end to end, so that two streams which want one head get it one
-  // after the other. Taken before every other lock.
+  // Held by Open, once it has built its head, and by Resume until they have attached, so that two
+  // streams which want one head get it one after the other. Taken before every other lock.
   std::mutex handover_;
 
   mutable std::mutex mutex_;

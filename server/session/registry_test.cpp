@@ -333,7 +333,8 @@ TEST_F(RegistryTest, TheLimitRefusesButDetachedHeadsMakeRoom) {
   EXPECT_EQ(refused.error().code, ErrorCode::kResourceExhausted);
   registry.Leave(second, &b);
   const auto third = Open(registry, c, Pacing::kLockstep);
-  EXPECT_NE(third, nullptr);
+  ASSERT_NE(third, nullptr);
+  EXPECT_EQ(third->name(), "heads/3");  // What is refused is not built, and takes no name.
   EXPECT_EQ(registry.head_count(), 2);
   registry.Close(first, &a);
   registry.Close(third, &c);
