@@ -61,10 +61,9 @@ Result<Registry::Entries::iterator> Registry::AdmitLocked(const groom::Groom& gr
   const double own = RealtimeLoad(groom, options);
   double load = own;
   for (auto item = entries_.begin(); item != entries_.end(); ++item) {
+    // Detached ones too: Resume asks no more.
     const HeadSession& other = *item->second.head;
-    if (item != leaving && item->second.sink != nullptr) {
-      load += RealtimeLoad(other.groom(), other.options());
-    }
+    if (item != leaving) load += RealtimeLoad(other.groom(), other.options());
   }
   if (own > 0 && load > options_.realtime_capacity) {
     return Error{ErrorCode::kResourceExhausted,

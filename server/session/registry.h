@@ -18,8 +18,10 @@ namespace mane::session {
 struct RegistryOptions {
   int max_heads = 1000;      ///< Open at once, detached ones included; 1 to 100,000.
   double resume_grace = 10;  ///< How long a head waits for its broken stream to come back [s].
-  /// Element-steps a second that all attached real-time heads may need together (admission.h).
-  double realtime_capacity = 1e6;
+  /// Element-steps a second that all real-time heads may need together, those that wait for their
+  /// client included (admission.h). Less than half of what one core steps with vector kernels: the
+  /// costs are estimates, and heads that fall due at once should not make each other late.
+  double realtime_capacity = 1e7;
 };
 
 /// A head and the secret with which a broken stream comes back to it.
@@ -45,7 +47,8 @@ class Registry {
   /// first try of the same call, and ended if this one is admitted. At `max_heads` the head that
   /// has waited longest for its client makes room. kResourceExhausted when none waits, when the
   /// head alone is too much (AdmitHead), or when real-time heads would need more than
-  /// `realtime_capacity`; kUnavailable once StopAdmitting was called.
+  /// `realtime_capacity`, of which detached ones keep their share for Resume; kUnavailable once
+  /// StopAdmitting was called.
   Result<OpenedHead> Open(std::shared_ptr<const groom::Groom> groom, const HeadOptions& options,
                           const std::string& request_id, FrameSink* sink);
   /// The detached head of `resume_token`, attached to `sink`. A stream that still holds it is

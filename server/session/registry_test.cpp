@@ -342,23 +342,51 @@ TEST_F(RegistryTest, TheLimitRefusesButDetachedHeadsMakeRoom) {
 }
 
 TEST_F(RegistryTest, RealtimeHeadsAreAdmittedByWhatTheyNeed) {
-  // 12 guides of 4 elements at 120 Hz need 5760 element-steps a second.
-  Registry registry({.max_heads = 10, .resume_grace = 60, .realtime_capacity = 12000}, pool_,
+  // 12 guides of 4 elements and 16 points at 120 Hz need 257,280 element-steps a second: 48 a step,
+  // 2000 a frame, 96 for its points.
+  Registry registry({.max_heads = 10, .resume_grace = 60, .realtime_capacity = 600'000}, pool_,
                     pool_);
   TestStream a, b, c;
   const auto first = Open(registry, a, Pacing::kRealtime);
   const auto second = Open(registry, b, Pacing::kRealtime);
+  const std::string second_token = token_;
   HeadOptions third;
   third.rate_hz = 120;
   const auto refused = registry.Open(groom_, third, "", &c);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kResourceExhausted);
   const auto lockstep = Open(registry, c, Pacing::kLockstep);  // Takes none of it.
+  // A head that waits for its client keeps its share until it is gone.
+  TestStream d;
+  registry.Leave(second, &b);
+  EXPECT_FALSE(registry.Open(groom_, third, "", &d));
+  EXPECT_TRUE(registry.Resume(second_token, &b));
   registry.Close(first, &a);
   const auto again = Open(registry, a, Pacing::kRealtime);
+  ASSERT_NE(again, nullptr);
   for (const auto& [head, stream] : {std::pair{second, &b}, {lockstep, &c}, {again, &a}}) {
     registry.Close(head, stream);
   }
+}
+
+TEST_F(RegistryTest, ALoadCountsStepsFramesAndPoints) {
+  HeadOptions options;
+  const auto load = [&] { return RealtimeLoad(*groom_, options); };
+  EXPECT_DOUBLE_EQ(load(), 60 * (48 + 2000 + 12 * 16 / 2));
+  options.view.points_per_guide = 256;
+  EXPECT_DOUBLE_EQ(load(), 60 * (48 + 2000 + 12 * 256 / 2));
+  options.view.format = head::FrameFormat::kGeneralized;
+  EXPECT_DOUBLE_EQ(load(), 60 * (48 + 2000 + 48 / 2));
+  options.substeps = 3;
+  options.rate_hz = 2;  // Half a second takes five of the longest steps.
+  EXPECT_DOUBLE_EQ(load(), 2 * (48 * 3 * 5 + 2000 + 48 / 2));
+  options.pacing = Pacing::kLockstep;
+  EXPECT_EQ(load(), 0);
+}
+
+TEST_F(RegistryTest, EightHeadsOfAHundredGuidesFitWithAmpleRoom) {
+  EXPECT_LT(8 * RealtimeLoad(*head::SampleGroom(100, 5), {}),
+            RegistryOptions().realtime_capacity / 5);
 }
 
 TEST_F(RegistryTest, FramesThatAreTooMuchWorkOrTooLargeAreRefused) {
@@ -375,6 +403,13 @@ TEST_F(RegistryTest, FramesThatAreTooMuchWorkOrTooLargeAreRefused) {
   };
   EXPECT_EQ(refused_field(1'000'000, 16), "open.substeps");
   EXPECT_EQ(refused_field(1, 200'000), "open.points_per_guide");
+
+  HeadOptions slow;
+  slow.substeps = 100'000;
+  slow.rate_hz = 1;  // Ten times as many steps.
+  const auto refused = registry.Open(groom_, slow, "", &stream);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().field, "open.substeps");
 
   HeadOptions options;
   options.pacing = Pacing::kLockstep;
