@@ -1,5 +1,7 @@
 #include "session/admission.h"
 
+#include <algorithm>
+
 namespace mane::session {
 namespace {
 
@@ -34,6 +36,11 @@ Result<void> AdmitHead(const groom::Groom& groom, const HeadOptions& options) {
                            "element-steps a frame; at most {} are allowed",
                            groom.element_count(), steps, options.substeps, work, kMaxFrameWork),
                "open.substeps"};
+}
+
+int FrameWindow(const groom::Groom& groom, const head::View& view, int most) {
+  const size_t bytes = std::max<size_t>(1, head::FrameSize(groom, view));
+  return static_cast<int>(std::clamp<size_t>(kMaxBacklogBytes / bytes, 1, most));
 }
 
 Result<void> AdmitFrame(const groom::Groom& groom, const head::Movement& movement) {

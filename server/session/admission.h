@@ -21,12 +21,18 @@ inline constexpr double kPointSteps = 0.5;
 
 /// Element-steps of one lockstep frame: seconds of work at most.
 inline constexpr double kMaxFrameWork = 1e7;
-/// Bytes of one frame; several may wait for a slow lockstep client.
+/// Bytes of one frame.
 inline constexpr size_t kMaxFrameBytes = 16 << 20;
+/// Bytes of frames that one head may have waiting or under way.
+inline constexpr size_t kMaxBacklogBytes = 32 << 20;
 
 /// kResourceExhausted when a frame of `options` is too large or even its shortest one too much
 /// work.
 Result<void> AdmitHead(const groom::Groom& groom, const HeadOptions& options);
+
+/// Frames that a head may have waiting or under way: `most`, or the fewer that kMaxBacklogBytes
+/// hold, but at least one.
+[[nodiscard]] int FrameWindow(const groom::Groom& groom, const head::View& view, int most);
 
 /// kResourceExhausted when `movement` is too much work for one frame.
 Result<void> AdmitFrame(const groom::Groom& groom, const head::Movement& movement);

@@ -18,6 +18,20 @@ constexpr double kLeastPoseGap = 1e-6;
 constexpr double kLongestPoseGap = 1;
 // Least time between two notices of a kind [s].
 constexpr double kNoticePeriod = 1;
+// Commands and frames a head may have waiting before its client is read no further; in lockstep
+// every command may become a frame.
+constexpr int kMaxBacklogLockstep = 8;
+constexpr int kMaxBacklogRealtime = 64;
+
+int MaxBacklog(const groom::Groom& groom, const HeadOptions& options) {
+  if (options.pacing == Pacing::kRealtime) return kMaxBacklogRealtime;
+  return FrameWindow(groom, options.view, kMaxBacklogLockstep);
+}
+
+Mailbox MakeMailbox(const groom::Groom& groom, const HeadOptions& options) {
+  if (options.pacing == Pacing::kLockstep) return Mailbox::Ordered();
+  return Mailbox::Newest(FrameWindow(groom, options.view, options.max_unacked));
+}
 
 }  // namespace
 
@@ -27,10 +41,10 @@ HeadSession::HeadSession(std::string name, std::shared_ptr<const groom::Groom> g
       groom_(std::move(groom)),
       options_(options),
       pool_(pool),
+      max_backlog_(MaxBacklog(*groom_, options)),
       state_(head::AtRest(*groom_, options.initial_pose)),
       environment_(options.environment),
-      mailbox_(options.pacing == Pacing::kRealtime ? Mailbox::Newest(options.max_unacked)
-                                                   : Mailbox::Ordered()) {}
+      mailbox_(MakeMailbox(*groom_, options)) {}
 
 Result<void> HeadSession::Submit(const Command& command) {
   const bool lockstep = options_.pacing == Pacing::kLockstep;
@@ -86,7 +100,7 @@ OutgoingFrame HeadSession::TakeFrame() {
 
 int HeadSession::Backlog() const {
   std::lock_guard lock(mutex_);
-  return static_cast<int>(commands_.size()) + mailbox_.size() + (running_ ? 1 : 0);
+  return static_cast<int>(commands_.size()) + mailbox_.size() + (in_hand_ ? 1 : 0);
 }
 
 uint64_t HeadSession::next_frame() const {
@@ -184,6 +198,7 @@ void HeadSession::RunCommand() {
     }
     command = std::move(commands_.front());
     commands_.pop_front();
+    in_hand_ = true;
   }
   std::shared_ptr<Frame> frame;
   if (const auto* pose = std::get_if<PoseCommand>(&command)) {
@@ -207,6 +222,7 @@ void HeadSession::RunCommand() {
       frame->index = next_frame_++;
       mailbox_.Put(std::move(frame));
     }
+    in_hand_ = false;
     running_ = !commands_.empty() && !end_;
     if (!running_) return;
   }

@@ -424,6 +424,45 @@ TEST_F(RegistryTest, FramesThatAreTooMuchWorkOrTooLargeAreRefused) {
   registry.Close(opened->head, &stream);
 }
 
+TEST_F(RegistryTest, AHeadOfLargeFramesHoldsFewerOfThem) {
+  head::View view;
+  EXPECT_EQ(FrameWindow(*groom_, view, 8), 8);
+  view.points_per_guide = 50'000;  // 7.2 MB a frame: four of them in 32 MiB.
+  EXPECT_EQ(FrameWindow(*groom_, view, 8), 4);
+  EXPECT_EQ(FrameWindow(*groom_, view, 3), 3);
+  view.points_per_guide = 1'000'000;  // More than are admitted.
+  EXPECT_EQ(FrameWindow(*groom_, view, 8), 1);
+
+  Registry registry({}, pool_, pool_);
+  TestStream lockstep, realtime;
+  HeadOptions options;
+  options.view.points_per_guide = 100'000;  // 14.4 MB: two.
+  options.max_unacked = 16;
+  options.rate_hz = 10;
+  const auto newest = registry.Open(groom_, options, "", &realtime);
+  ASSERT_TRUE(newest);
+  realtime.Follow(newest->head);
+  options.pacing = Pacing::kLockstep;
+  const auto ordered = registry.Open(groom_, options, "", &lockstep);
+  ASSERT_TRUE(ordered);
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_FALSE(ordered->head->Full());
+    ASSERT_TRUE(ordered->head->Submit(Pose(i)));
+  }
+  EXPECT_TRUE(ordered->head->Full());
+  lockstep.Follow(ordered->head);
+  lockstep.OnProgress();
+  ASSERT_TRUE(lockstep.WaitForFrames(2));
+  const auto deadline = std::chrono::steady_clock::now() + seconds(20);
+  while (newest->head->next_frame() < 5 && std::chrono::steady_clock::now() < deadline) {
+    std::this_thread::yield();
+  }
+  EXPECT_GE(newest->head->next_frame(), 5u);
+  EXPECT_EQ(realtime.frames().size(), 2u);
+  registry.Close(newest->head, &realtime);
+  registry.Close(ordered->head, &lockstep);
+}
+
 TEST_F(RegistryTest, ASlowRateMovesHairAllTheSame) {
   Registry registry({}, pool_, pool_);
   TestStream stream;
