@@ -19,8 +19,9 @@ struct RegistryOptions {
   int max_heads = 1000;      ///< Open at once, detached ones included; 1 to 100,000.
   double resume_grace = 10;  ///< How long a head waits for its broken stream to come back [s].
   /// Element-steps a second that all real-time heads may need together, those that wait for their
-  /// client included (admission.h). Less than half of what one core steps with vector kernels: the
-  /// costs are estimates, and heads that fall due at once should not make each other late.
+  /// client included (admission.h). The default is less than half of what one core steps with
+  /// vector kernels: the costs are estimates, and heads that fall due at once should not make each
+  /// other late.
   double realtime_capacity = 1e7;
 };
 
