@@ -19,15 +19,19 @@ double PointCount(const groom::Groom& groom, const head::View& view) {
 
 }  // namespace
 
+Result<void> AdmitView(const groom::Groom& groom, const head::View& view,
+                       const std::string& field) {
+  const size_t bytes = head::FrameSize(groom, view);
+  if (bytes <= kMaxFrameBytes) return {};
+  return Error{ErrorCode::kResourceExhausted,
+               fmt::format("a frame of {}points_per_guide {} has {} bytes; at most {} are allowed: "
+                           "ask for fewer points or a smaller format",
+                           field, view.points_per_guide, bytes, kMaxFrameBytes),
+               field + "points_per_guide"};
+}
+
 Result<void> AdmitHead(const groom::Groom& groom, const HeadOptions& options) {
-  const size_t bytes = head::FrameSize(groom, options.view);
-  if (bytes > kMaxFrameBytes) {
-    return Error{ErrorCode::kResourceExhausted,
-                 fmt::format("a frame of open.points_per_guide {} has {} bytes; at most {} are "
-                             "allowed: ask for fewer points or a smaller format",
-                             options.view.points_per_guide, bytes, kMaxFrameBytes),
-                 "open.points_per_guide"};
-  }
+  if (const auto ok = AdmitView(groom, options.view, "open."); !ok) return ok;
   const int steps = StepsOfFrame(options);
   const double work = static_cast<double>(groom.element_count()) * steps;
   if (work <= kMaxFrameWork) return {};

@@ -26,6 +26,10 @@ inline constexpr size_t kMaxFrameBytes = 16 << 20;
 /// Bytes of frames that one head may have waiting or under way.
 inline constexpr size_t kMaxBacklogBytes = 32 << 20;
 
+/// kResourceExhausted when a frame of `view` is larger than kMaxFrameBytes; the error names
+/// `field`'s points_per_guide, `field` being empty or ending in a dot.
+Result<void> AdmitView(const groom::Groom& groom, const head::View& view, const std::string& field);
+
 /// kResourceExhausted when a frame of `options` is too large or even its shortest one too much
 /// work.
 Result<void> AdmitHead(const groom::Groom& groom, const HeadOptions& options);
