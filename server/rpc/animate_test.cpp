@@ -255,6 +255,22 @@ TEST(AnimateLimitTest, VanishingAndCancellingClientsLeaveNoHeadBehind) {
   }
 }
 
+TEST(AnimateLimitTest, EightHeadsOfAHundredGuidesRunInRealTime) {
+  TestServer server;
+  v1::Groom groom;
+  const grpc::Status uploaded =
+      server.Upload(UploadOf(std::vector<v1::Guide>(100, GoodGuide(5))), &groom);
+  ASSERT_TRUE(uploaded.ok()) << uploaded.error_message();
+  v1::OpenHead open;
+  open.set_groom(groom.name());
+  open.set_pacing(v1::PACING_REALTIME);
+  std::vector<std::unique_ptr<TestStream>> heads;
+  for (int i = 0; i < 8; ++i) {
+    heads.push_back(std::make_unique<TestStream>(server, open));
+    EXPECT_FALSE(heads.back()->NextFrame().empty()) << i;
+  }
+}
+
 TEST(AnimateLimitTest, HeadsBeyondTheLimitAreRefused) {
   TestServer server({.max_heads = 1});
   const std::string groom = server.MakeGroom();

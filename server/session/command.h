@@ -21,7 +21,7 @@ struct HeadOptions {
   double rate_hz = 60;      ///< Real time only.
   int substeps = 1;         ///< Time steps per frame.
   double pose_delay = 0;    ///< [s], real time only.
-  int max_unacked = 3;      ///< Frames under way, real time only.
+  int max_unacked = 3;      ///< Frames under way, real time only; fewer where they are large.
   math::Pose initial_pose;  ///< Before the first pose.
   head::Environment environment;
   bool diagnostics = false;  ///< Every frame carries them.
