@@ -102,7 +102,7 @@ int AdvanceBlock(const groom::Groom& groom, const rod::Batch<float>::Block& bloc
 int StepCount(const Movement& movement) {
   // The tolerance keeps a duration of one longest step, rounded up, whole.
   const double longest = std::ceil(movement.duration / kLongestStep - 1e-6);
-  return movement.substeps * std::max(1, static_cast<int>(longest));
+  return std::max(movement.substeps, static_cast<int>(longest));
 }
 
 HeadState AtRest(const groom::Groom& groom, const math::Pose& pose) {

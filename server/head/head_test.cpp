@@ -115,9 +115,9 @@ TEST(HeadTest, SubstepsAreShorterMovements) {
   exec::WorkerPool pool(1);
   const math::Pose from = Shaken(0), to = Shaken(0.03);
   HeadState once = AtRest(*groom, from), twice = once;
-  Advance(*groom, {to, 0.04, 2}, {}, &once, pool);
-  Advance(*groom, {math::Interpolate(from, to, 0.5), 0.02, 1}, {}, &twice, pool);
-  Advance(*groom, {to, 0.02, 1}, {}, &twice, pool);
+  Advance(*groom, {to, 0.03, 2}, {}, &once, pool);
+  Advance(*groom, {math::Interpolate(from, to, 0.5), 0.015, 1}, {}, &twice, pool);
+  Advance(*groom, {to, 0.015, 1}, {}, &twice, pool);
   EXPECT_LT(Farthest(Angles(*groom, once), Angles(*groom, twice)), 1e-12);
 }
 
@@ -127,7 +127,7 @@ TEST(HeadTest, LongMovementsAreCutIntoStepsOfASixtiethOfASecond) {
   const math::Pose from = Shaken(0), to = Shaken(0.5);
   HeadState whole = AtRest(*groom, from), cut = whole;
   Advance(*groom, {to, 0.3, 1}, {}, &whole, pool);
-  Advance(*groom, {to, 0.3, 3}, {}, &cut, pool);
+  Advance(*groom, {to, 0.3, 54}, {}, &cut, pool);
   // 0.3 s is eighteen longest steps, and asking for three times as many makes them shorter.
   HeadState thrice = AtRest(*groom, from);
   for (int i = 1; i <= 3; ++i) {
