@@ -38,6 +38,8 @@ FAST_SETTLING = 2.5  # [s]
 SETTLING = 10.0  # Simulated time from the release to the rest that is judged [s].
 REST_SPEED = 1e-3  # A tip below this speed, in strand lengths a second, is at rest.
 
+MEASURED_TIME = 0.1  # Processor time of one repetition, at least [s].
+
 
 @cache
 def unit_reference_tip() -> tuple[float, float]:
@@ -93,16 +95,20 @@ class Row:
 
 
 def median_us(run: Callable[[int], object], steps: int, repetitions: int = 7) -> float:
-    """Median processor time of one of `steps` steps that run(steps) makes [us].
+    """Median processor time of a step [us], of which run(steps) makes `steps`.
 
     Processor time, because a machine that is shared would otherwise be measured with its load.
     """
     run(steps)
     times = []
     for _ in range(repetitions):
-        start = time.process_time()
-        run(steps)
-        times.append((time.process_time() - start) / steps * 1e6)
+        start = end = time.process_time()
+        made = 0
+        while end < start + MEASURED_TIME:
+            run(steps)
+            made += steps
+            end = time.process_time()
+        times.append((end - start) / made * 1e6)
     return statistics.median(times)
 
 
