@@ -276,10 +276,12 @@ TEST_F(BakeTest, BadBakesAreNamedBeforeAnythingIsQueued) {
   std::memset(request.mutable_motion()->mutable_times_s()->data(), 0, 16);
   Submit(request, grpc::StatusCode::INVALID_ARGUMENT);
   EXPECT_EQ(field_, "motion.times_s[1]");
-  request = Request(server_.MakeGroom(250), 100);  // 750 elements, a second for the last pose.
+  std::vector<v1::Guide> guides(60);
+  for (size_t i = 0; i < guides.size(); ++i) guides[i] = GoodGuide(128);
+  v1::Groom large;  // 7680 elements.
+  ASSERT_TRUE(server_.Upload(UploadOf(guides), &large).ok());
+  request = Request(large.name(), 3);
   request.set_substeps(64);
-  const double last = 98 / 60.0 + 1;
-  std::memcpy(request.mutable_motion()->mutable_times_s()->data() + 8 * 99, &last, 8);
   Submit(request, grpc::StatusCode::RESOURCE_EXHAUSTED);
   EXPECT_EQ(field_, "substeps");
 }
