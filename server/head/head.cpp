@@ -52,7 +52,7 @@ void SetDrives(const HeadState& from, const Movement& movement, int steps, int b
     const rod::ClampMotion motion{pose(i), pose(i + 1), dt};
     drive.time = from.time + (i + rod::kTheta) * dt;
     drive.head = math::Interpolate(motion.begin, motion.end, rod::kTheta);
-    rod::Surroundings air = environment;
+    Environment air = environment;
     air.wind = wind.Mean(drive.time);
     rod::SetDrive<float>(motion, air, 0, rod::layout::kLanes, drive.rows);
   }
