@@ -1,6 +1,6 @@
 #pragma once
 
-/// Small vectors and matrices whose entries are lanes; only for batch_kernel.h.
+/// Small vectors and matrices whose entries are lanes; only for sources that define MANE_ISA.
 
 #include "simd/lanes.h"
 
