@@ -4,6 +4,8 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -11,6 +13,7 @@
 #include "math/rigid.h"
 #include "rod/batch.h"
 #include "rod/strand.h"
+#include "rod/wound.h"
 
 namespace mane::groom {
 
@@ -41,6 +44,13 @@ struct Guide {
   rod::Section section;
   rod::Material material;
   rod::Strand strand;  ///< Stiffness and density already derived from section and material.
+  /// Where the guide moves as a wound strand, that strand.
+  std::optional<rod::WoundStrand> wound;
+
+  /// Numbers that say its shape: 3 for each element, 4 of a wound one.
+  [[nodiscard]] int coordinate_count() const {
+    return (wound ? 4 : 3) * strand.elements();
+  }
 };
 
 /// A hair asset. Immutable once it is built by `Assemble`, and shared by every head that animates
@@ -56,14 +66,20 @@ struct Groom {
   /// Index of each guide's first element in arrays over all elements, and their total at the end,
   /// (guides + 1).
   std::vector<int> first_element;
-  /// Element angles theta_Q = l_Q kappa_Q of the static equilibrium under standard gravity with the
-  /// head upright [rad], (elements of all guides).
-  std::vector<Eigen::Vector3d> rest_theta;
+  /// The same of coordinates.
+  std::vector<int> first_coordinate;
+  /// Static equilibrium under standard gravity with the head upright [rad]: element angles
+  /// theta_Q = l_Q kappa_Q, or unknowns of wound guides, (coordinates of all guides).
+  std::vector<double> rest;
   /// The guides packed for the batched step; strand i is guide i.
   rod::Batch<float> batch;
 
   [[nodiscard]] int guide_count() const { return static_cast<int>(guides.size()); }
   [[nodiscard]] int element_count() const { return first_element.back(); }
+  [[nodiscard]] int coordinate_count() const { return first_coordinate.back(); }
+  [[nodiscard]] std::span<const double> rest_of(int guide) const {
+    return std::span(rest).subspan(first_coordinate[guide], guides[guide].coordinate_count());
+  }
 };
 
 }  // namespace mane::groom

@@ -164,6 +164,14 @@ Result<Guide> MakeGuide(const GuideDescription& d, int index) {
   strand.linear_density = rod::LinearDensity(guide.section, guide.material);
   strand.internal_friction = d.internal_friction;
   strand.air_drag = d.air_drag;
+  if (d.wound) {
+    if (rod::NaturalTurns(strand) == 0) {
+      return InvalidArgument(path + "model",
+                             path + "model is WOUND; that needs a natural curvature other than zero "
+                                    "in every element: set natural_curvature_1 or 2");
+    }
+    guide.wound = rod::MakeWound(strand);
+  }
   return guide;
 }
 
@@ -192,6 +200,7 @@ GuideDescription Describe(const Guide& guide) {
   d.natural_twist = DescribeNatural(strand.natural, 0);
   d.natural_curvature_1 = DescribeNatural(strand.natural, 1);
   d.natural_curvature_2 = DescribeNatural(strand.natural, 2);
+  d.wound = guide.wound.has_value();
   return d;
 }
 

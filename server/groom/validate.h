@@ -35,6 +35,7 @@ struct GuideDescription {
   std::vector<double> natural_twist;
   std::vector<double> natural_curvature_1;
   std::vector<double> natural_curvature_2;
+  bool wound = false;  ///< STRAND_MODEL_WOUND.
 };
 
 /// The guide that `description` says, its stiffness and linear density derived.

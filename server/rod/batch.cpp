@@ -27,6 +27,12 @@ int WindingClass(const Strand& strand) {
   return std::ilogb(most);
 }
 
+// What stiffness and friction are multiplied by: 1 / (rho S l0^4) (batch_layout.h).
+double StiffnessUnit(const Strand& strand) {
+  const double l0 = strand.TotalLength() / strand.elements();
+  return 1 / (strand.linear_density * l0 * l0 * l0 * l0);
+}
+
 template <typename T>
 void SetRow(double value, int first, int last, Row<T>* row) {
   std::fill(row->lane + first, row->lane + last, static_cast<T>(value));
@@ -39,31 +45,56 @@ void SetRows(const Eigen::MatrixBase<Derived>& values, int first, int last, Row<
   }
 }
 
+// Rows of a state's element, by kind.
+struct StateLayout {
+  int coordinates;  // How many, from row 0; then as many rates.
+  int velocities;
+  int rows;
+};
+
+StateLayout StateOf(layout::Kind kind) {
+  if (kind == layout::Kind::kWound) {
+    return {4, layout::kBeadVelocities, layout::kStatePerWoundElement};
+  }
+  return {3, layout::kVelocities, layout::kStatePerElement};
+}
+
+// The same names for both kinds of state.
+std::span<Vector3d> Coordinates(const StrandState& state) { return state.theta; }
+std::span<Vector4d> Coordinates(const WoundState& state) { return state.x; }
+layout::Kind KindOf(const StrandState& /*state*/) { return layout::Kind::kPlain; }
+layout::Kind KindOf(const WoundState& /*state*/) { return layout::Kind::kWound; }
+
 }  // namespace
 
 template <typename T>
 Batch<T>::Batch(std::span<const RootedStrand> strands) : places_(strands.size()) {
   std::vector<int> order(strands.size());
   std::iota(order.begin(), order.end(), 0);
-  const auto key = [&](int i) {
-    return std::pair(strands[i].strand->elements(), WindingClass(*strands[i].strand));
+  const auto group = [&](int i) {
+    return std::pair(strands[i].wound != nullptr, strands[i].strand->elements());
   };
+  const auto key = [&](int i) { return std::pair(group(i), WindingClass(*strands[i].strand)); };
   std::ranges::stable_sort(order, {}, key);
 
   size_t constant_rows = 0;
   for (size_t i = 0; i < order.size();) {
-    const int N = strands[order[i]].strand->elements();
+    const auto [wound, N] = group(order[i]);
     MANE_CHECK(N >= 1);
-    Block block{
-        .elements = N, .count = 0, .strands = {}, .constants = constant_rows, .state = state_rows_};
-    while (i < order.size() && block.count < kLanes && strands[order[i]].strand->elements() == N) {
+    Block block{.kind = wound ? layout::Kind::kWound : layout::Kind::kPlain,
+                .elements = N,
+                .count = 0,
+                .strands = {},
+                .constants = constant_rows,
+                .state = state_rows_};
+    while (i < order.size() && block.count < kLanes && group(order[i]) == std::pair(wound, N)) {
       places_[order[i]] = {static_cast<int>(blocks_.size()), block.count};
       block.strands[block.count++] = order[i++];
     }
     std::fill(block.strands.begin() + block.count, block.strands.end(),
               block.strands[block.count - 1]);
-    constant_rows += layout::ConstantsSize(N) / kLanes;
-    state_rows_ += layout::StateSize(N) / kLanes;
+    constant_rows += layout::ConstantRows(block.kind, N);
+    state_rows_ += static_cast<size_t>(N) * StateOf(block.kind).rows;
     blocks_.push_back(block);
   }
   constants_.resize(constant_rows);
@@ -77,23 +108,58 @@ Batch<T>::Batch(std::span<const RootedStrand> strands) : places_(strands.size())
 template <typename T>
 void Batch<T>::SetConstants(const Block& block, int lane, const RootedStrand& rooted) {
   const Strand& strand = *rooted.strand;
-  const int N = strand.elements();
-  const double l0 = strand.TotalLength() / N;
-  const double scale = 1 / (strand.linear_density * l0 * l0 * l0 * l0);
+  const double l0 = strand.TotalLength() / strand.elements();
   Row<T>* const rows = &constants_[block.constants];
   const auto set = [lane](double value, Row<T>* row) { SetRow(value, lane, lane + 1, row); };
-  SetRows(rooted.root.q.toRotationMatrix(), lane, lane + 1, rows + layout::kRootFrame);
+  Matrix3d root = rooted.root.q.toRotationMatrix();
+  if (rooted.wound != nullptr) root *= rooted.wound->coils[0].F;
+  SetRows(root, lane, lane + 1, rows + layout::kRootFrame);
   SetRows(rooted.root.p, lane, lane + 1, rows + layout::kRootPosition);
   set(l0, rows + layout::kUnit);
   set(1 / l0, rows + layout::kInverseUnit);
   set(strand.air_drag / strand.linear_density, rows + layout::kDrag);
-  set(strand.internal_friction * scale, rows + layout::kFriction);
-  SetRows(strand.stiffness * scale, lane, lane + 1, rows + layout::kStiffness);
-  for (int Q = 0; Q < N; ++Q) {
-    Row<T>* const element = rows + layout::kFirstElement + Q * layout::kConstantsPerElement;
-    set(strand.length[Q] / l0, element + layout::kLength);
-    set(l0 / strand.length[Q], element + layout::kInverseLength);
+  set(strand.internal_friction * StiffnessUnit(strand), rows + layout::kFriction);
+  if (rooted.wound != nullptr) {
+    SetWoundElements(rooted, lane, rows + layout::kFirstElement);
+  } else {
+    SetRows(strand.stiffness * StiffnessUnit(strand), lane, lane + 1, rows + layout::kStiffness);
+    SetPlainElements(rooted, lane, rows + layout::kFirstElement);
+  }
+}
+
+template <typename T>
+void Batch<T>::SetPlainElements(const RootedStrand& rooted, int lane, Row<T>* element) const {
+  const Strand& strand = *rooted.strand;
+  const double l0 = strand.TotalLength() / strand.elements();
+  for (int Q = 0; Q < strand.elements(); ++Q, element += layout::kConstantsPerElement) {
+    SetRow(strand.length[Q] / l0, lane, lane + 1, element + layout::kLength);
+    SetRow(l0 / strand.length[Q], lane, lane + 1, element + layout::kInverseLength);
     SetRows(strand.length[Q] * strand.natural[Q], lane, lane + 1, element + layout::kNatural);
+  }
+}
+
+template <typename T>
+void Batch<T>::SetWoundElements(const RootedStrand& rooted, int lane, Row<T>* element) const {
+  const Strand& strand = *rooted.strand;
+  const double l0 = strand.TotalLength() / strand.elements();
+  const auto set = [&](double value, int row) { SetRow(value, lane, lane + 1, element + row); };
+  double phase = 0;
+  for (int Q = 0; Q < strand.elements(); ++Q, element += layout::kConstantsPerWoundElement) {
+    const Coil& coil = rooted.wound->coils[Q];
+    const Eigen::Matrix4d K = coil.stiffness * StiffnessUnit(strand);
+    set(strand.length[Q] / l0, layout::kLength);
+    set(l0 / strand.length[Q], layout::kInverseLength);
+    set(coil.winding * strand.length[Q], layout::kWinding);
+    set(coil.rise, layout::kRise);
+    set(coil.slant, layout::kSlant);
+    set(coil.radius / l0, layout::kRadius);
+    set(K(0, 0), layout::kTwisting);
+    set(K(1, 1), layout::kBending);
+    set(K(3, 3), layout::kStretching);
+    set(K(0, 3), layout::kCoupling);
+    set(std::cos(phase), layout::kPhaseCosine);
+    set(std::sin(phase), layout::kPhaseSine);
+    phase += coil.winding * strand.length[Q];
   }
 }
 
@@ -107,59 +173,89 @@ void Batch<T>::ForLanes(const Place& place, const Visit& visit) const {
 }
 
 template <typename T>
-void Batch<T>::SetStrand(int strand, const StrandState& value, std::span<Row<T>> state) const {
+template <typename State>
+void Batch<T>::Set(int strand, const State& value, std::span<Row<T>> state) const {
   ForLanes(places_[strand], [&](const Block& block, int lane) {
+    MANE_CHECK(block.kind == KindOf(value));
+    const StateLayout at = StateOf(block.kind);
     const double to_unit = 1 / static_cast<double>(Constant(block, layout::kUnit, lane));
     for (int Q = 0; Q < block.elements; ++Q) {
-      Row<T>* const rows = &state[block.state + Q * layout::kStatePerElement];
-      SetRows(value.theta[Q], lane, lane + 1, rows + layout::kAngles);
-      SetRows(value.rate[Q], lane, lane + 1, rows + layout::kRates);
+      Row<T>* const rows = &state[block.state + Q * at.rows];
+      SetRows(Coordinates(value)[Q], lane, lane + 1, rows);
+      SetRows(value.rate[Q], lane, lane + 1, rows + at.coordinates);
       for (int g = 0; g < kGaussPoints; ++g) {
         SetRows(to_unit * value.velocity[Q * kGaussPoints + g], lane, lane + 1,
-                rows + layout::kVelocities + 3 * g);
+                rows + at.velocities + 3 * g);
       }
     }
   });
 }
 
 template <typename T>
-void Batch<T>::GetStrand(int strand, std::span<const Row<T>> state, StrandState value) const {
+template <typename State>
+void Batch<T>::Get(int strand, std::span<const Row<T>> state, const State& value) const {
   const auto [block_index, lane] = places_[strand];
   const Block& block = blocks_[block_index];
+  MANE_CHECK(block.kind == KindOf(value));
+  const StateLayout at = StateOf(block.kind);
   const double unit = Constant(block, layout::kUnit, lane);
   for (int Q = 0; Q < block.elements; ++Q) {
-    const Row<T>* const rows = &state[block.state + Q * layout::kStatePerElement];
-    for (int i = 0; i < 3; ++i) {
-      value.theta[Q][i] = rows[layout::kAngles + i].lane[lane];
-      value.rate[Q][i] = rows[layout::kRates + i].lane[lane];
-      for (int g = 0; g < kGaussPoints; ++g) {
-        value.velocity[Q * kGaussPoints + g][i] =
-            unit * rows[layout::kVelocities + 3 * g + i].lane[lane];
-      }
+    const Row<T>* const rows = &state[block.state + Q * at.rows];
+    for (int i = 0; i < at.coordinates; ++i) {
+      Coordinates(value)[Q][i] = rows[i].lane[lane];
+      value.rate[Q][i] = rows[at.coordinates + i].lane[lane];
+    }
+    for (int i = 0; i < 3 * kGaussPoints; ++i) {
+      value.velocity[Q * kGaussPoints + i / 3][i % 3] = unit * rows[at.velocities + i].lane[lane];
     }
   }
 }
 
 template <typename T>
-void Batch<T>::GetAngles(int strand, std::span<const Row<T>> state,
-                         std::span<Vector3d> theta) const {
+void Batch<T>::SetStrand(int strand, const StrandState& value, std::span<Row<T>> state) const {
+  Set(strand, value, state);
+}
+
+template <typename T>
+void Batch<T>::SetStrand(int strand, const WoundState& value, std::span<Row<T>> state) const {
+  Set(strand, value, state);
+}
+
+template <typename T>
+void Batch<T>::GetStrand(int strand, std::span<const Row<T>> state, StrandState value) const {
+  Get(strand, state, value);
+}
+
+template <typename T>
+void Batch<T>::GetStrand(int strand, std::span<const Row<T>> state, WoundState value) const {
+  Get(strand, state, value);
+}
+
+template <typename T>
+void Batch<T>::GetCoordinates(int strand, std::span<const Row<T>> state,
+                              std::span<double> values) const {
   const auto [block_index, lane] = places_[strand];
   const Block& block = blocks_[block_index];
+  const StateLayout at = StateOf(block.kind);
+  MANE_CHECK(static_cast<int>(values.size()) == block.elements * at.coordinates);
+  auto value = values.begin();
   for (int Q = 0; Q < block.elements; ++Q) {
-    const Row<T>* const rows = &state[block.state + Q * layout::kStatePerElement + layout::kAngles];
-    theta[Q] = Vector3d(rows[0].lane[lane], rows[1].lane[lane], rows[2].lane[lane]);
+    const Row<T>* const rows = &state[block.state + Q * at.rows];
+    for (int i = 0; i < at.coordinates; ++i) *value++ = rows[i].lane[lane];
   }
 }
 
 template <typename T>
 void Batch<T>::RotateVelocities(const Matrix3d& turn, std::span<Row<T>> state) const {
-  Eigen::Matrix<T, 3, 3> R = turn.cast<T>();
-  for (size_t first = 0; first < state_rows_; first += layout::kStatePerElement) {
-    for (int g = 0; g < kGaussPoints; ++g) {
-      Row<T>* const rows = &state[first + layout::kVelocities + 3 * g];
+  const Eigen::Matrix<T, 3, 3> R = turn.cast<T>();
+  for (const Block& block : blocks_) {
+    const StateLayout at = StateOf(block.kind);
+    for (int i = 0; i < block.elements * kGaussPoints; ++i) {
+      const int Q = i / kGaussPoints, g = i % kGaussPoints;
+      Row<T>* const rows = &state[block.state + Q * at.rows + at.velocities + 3 * g];
       for (int lane = 0; lane < kLanes; ++lane) {
         const Eigen::Matrix<T, 3, 1> u(rows[0].lane[lane], rows[1].lane[lane], rows[2].lane[lane]);
-        for (int i = 0; i < 3; ++i) rows[i].lane[lane] = R.row(i).dot(u);
+        for (int c = 0; c < 3; ++c) rows[c].lane[lane] = R.row(c).dot(u);
       }
     }
   }
@@ -203,8 +299,9 @@ uint32_t StepBlock(const KernelTable<T>& kernels, const Batch<T>& batch,
                    BatchScratch& scratch) {
   const int N = block.elements;
   Row<T> size;
-  kernels.step(N, batch.constants(block), drive[0].lane, state[block.state].lane,
-               scratch.Reserve(static_cast<size_t>(N) * kernels.scratch_per_element), size.lane);
+  const KindKernels<T>& kind = kernels.Of(block.kind);
+  kind.step(N, batch.constants(block), drive[0].lane, state[block.state].lane,
+            scratch.Reserve(static_cast<size_t>(N) * kind.scratch_per_element), size.lane);
   uint32_t failed = 0;
   for (int lane = 0; lane < kLanes; ++lane) {
     failed |= static_cast<uint32_t>(!(size.lane[lane] < kLargestAngle * kLargestAngle)) << lane;

@@ -13,6 +13,7 @@
 #include "rod/kernels.h"
 #include "rod/step.h"
 #include "rod/strand.h"
+#include "rod/wound.h"
 
 namespace mane::rod {
 
@@ -26,6 +27,7 @@ struct alignas(64) Row {
 struct RootedStrand {
   const Strand* strand;
   math::Pose root;
+  const WoundStrand* wound = nullptr;  ///< Where it is to move as a wound one; of the same strand.
 };
 
 /// Strands packed into blocks of equal element number for the batched step (rod.md, Batch), with
@@ -35,9 +37,10 @@ struct RootedStrand {
 template <typename T>
 class Batch {
  public:
-  /// Up to kLanes strands of equal N. Lanes past `count` repeat the last strand, and count for
-  /// nothing.
+  /// Up to kLanes strands of one kind and equal N. Lanes past `count` repeat the last strand, and
+  /// count for nothing.
   struct Block {
+    layout::Kind kind;
     int elements;
     int count;
     std::array<int, layout::kLanes> strands;  ///< Index of each lane's strand.
@@ -46,7 +49,7 @@ class Batch {
   };
 
   Batch() = default;
-  /// Strands are grouped by N, then by how far they wind within an element.
+  /// Strands are grouped by kind and N, then by how far they wind within an element.
   explicit Batch(std::span<const RootedStrand> strands);
 
   [[nodiscard]] std::span<const Block> blocks() const { return blocks_; }
@@ -54,12 +57,14 @@ class Batch {
   [[nodiscard]] int strand_count() const { return static_cast<int>(places_.size()); }
 
   /// Writes angles [rad] (N), rates [rad/s] (N) and velocities at Gauss points, world [m/s]
-  /// (N x kGaussPoints), into all lanes of a strand.
+  /// (N x kGaussPoints), into all lanes of a plain strand; of a wound one, its unknowns and beads.
   void SetStrand(int strand, const StrandState& value, std::span<Row<T>> state) const;
+  void SetStrand(int strand, const WoundState& value, std::span<Row<T>> state) const;
   /// Reads them back.
   void GetStrand(int strand, std::span<const Row<T>> state, StrandState value) const;
-  /// Only the angles [rad], (N).
-  void GetAngles(int strand, std::span<const Row<T>> state, std::span<Eigen::Vector3d> theta) const;
+  void GetStrand(int strand, std::span<const Row<T>> state, WoundState value) const;
+  /// Only the coordinates [rad]: (N x 3) angles of a plain strand, (N x 4) unknowns of a wound one.
+  void GetCoordinates(int strand, std::span<const Row<T>> state, std::span<double> values) const;
 
   /// Turns all velocities by `turn`.
   void RotateVelocities(const Eigen::Matrix3d& turn, std::span<Row<T>> state) const;
@@ -74,10 +79,16 @@ class Batch {
     int block;
     int lane;
   };
-  // Calls visit(lane) for every lane that holds a strand.
+  // Calls visit(block, lane) for every lane that holds a strand.
   template <typename Visit>
   void ForLanes(const Place& place, const Visit& visit) const;
   void SetConstants(const Block& block, int lane, const RootedStrand& strand);
+  void SetPlainElements(const RootedStrand& strand, int lane, Row<T>* elements) const;
+  void SetWoundElements(const RootedStrand& strand, int lane, Row<T>* elements) const;
+  template <typename State>
+  void Set(int strand, const State& value, std::span<Row<T>> state) const;
+  template <typename State>
+  void Get(int strand, std::span<const Row<T>> state, const State& value) const;
   [[nodiscard]] T Constant(const Block& block, int row, int lane) const {
     return constants_[block.constants + row].lane[lane];
   }
@@ -113,8 +124,7 @@ class BatchScratch {
 ///
 /// @param state  that of the whole batch, (state_rows).
 /// @return bit i is set where lane i is not finite, or is wound beyond 1e6 rad an element; its
-/// state
-///         must then be set anew.
+///         state must then be set anew.
 template <typename T>
 [[nodiscard]] uint32_t StepBlock(const KernelTable<T>& kernels, const Batch<T>& batch,
                                  const typename Batch<T>::Block& block,

@@ -35,6 +35,29 @@ enum State : int {
   kStatePerElement = kVelocities + 3 * kGaussPoints  ///< Rows of an element.
 };
 
+/// Rows of a wound element's constants (coil.md), in the place of a plain one's.
+enum WoundConstant : int {
+  kWinding = kNatural,       ///< W, turn of the natural coil [rad].
+  kRise,                     ///< cos(alpha)
+  kSlant,                    ///< sin(alpha)
+  kRadius,                   ///< Of the coil / l0.
+  kTwisting,                 ///< K of (u, u), of the bends, of (xi, xi) and of (u, xi), over
+  kBending,                  ///< rho S l0^4 [1/s^2].
+  kStretching,               ///< .
+  kCoupling,                 ///< .
+  kPhaseCosine,              ///< Of the phase of the left end,
+  kPhaseSine,                ///< .
+  kConstantsPerWoundElement  ///< Rows of an element.
+};
+
+/// Rows of a wound element's state.
+enum WoundState : int {
+  kUnknowns = 0,                        ///< x = l (u, b1, b2, xi) [rad] (4).
+  kUnknownRates = kUnknowns + 4,        ///< dx/dt over the last step [rad/s] (4).
+  kBeadVelocities = kUnknownRates + 4,  ///< Of the beads, world [l0/s] (kGaussPoints x 3).
+  kStatePerWoundElement = kBeadVelocities + 3 * kGaussPoints  ///< Rows of an element.
+};
+
 /// Rows of what drives a step, lane by lane, so that strands of different heads may share a block.
 enum Drive : int {
   kMiddleFrame = 0,             ///< Head's rotation at kTheta of the way, columns (9).
@@ -56,8 +79,16 @@ enum Pose : int {
   kPoseRows = kPosePosition + 3    ///< Rows in all.
 };
 
-/// Numbers of a block of strands with N elements.
-constexpr int ConstantsSize(int N) { return (kFirstElement + N * kConstantsPerElement) * kLanes; }
-constexpr int StateSize(int N) { return N * kStatePerElement * kLanes; }
+/// Kinds of strand that a block holds; all of one kind.
+enum class Kind { kPlain, kWound };
+
+/// Rows of a block of strands with N elements.
+constexpr int ConstantRows(Kind kind, int N) {
+  return kFirstElement +
+         N * (kind == Kind::kWound ? int{kConstantsPerWoundElement} : int{kConstantsPerElement});
+}
+constexpr int StateRowsPerElement(Kind kind) {
+  return kind == Kind::kWound ? int{kStatePerWoundElement} : int{kStatePerElement};
+}
 
 }  // namespace mane::rod::layout

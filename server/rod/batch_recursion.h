@@ -88,6 +88,19 @@ struct Recursion : StumpffOf<T, W> {
     beyond.b2 += G * spin;
   }
 
+  /// Adds a cost about a point that stands at `d` from where `left` is about: X^T A X and X^T b
+  /// with X = (1, -[d]; 0, 1) (S6).
+  [[gnu::always_inline]] static void AddShifted(const CostToGo& beyond, const Vec& d,
+                                                CostToGo& left) {
+    const Matrix<V> Y = beyond.A12 - TimesCross(beyond.A11, d);
+    left.A11 += beyond.A11;
+    left.A12 += Y;
+    left.A22 += beyond.A22;
+    AddCongruence(left.A22, beyond.A12, Y, d);
+    left.b1 += beyond.b1;
+    left.b2 += beyond.b2 + Cross(d, beyond.b1);
+  }
+
   /// Stiffness k with the friction that it needs at least (S3, S10).
   [[gnu::always_inline]] static V Damped(const V& k, const V& friction) {
     const V least = T(kLeastFriction) * k;

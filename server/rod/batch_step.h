@@ -13,6 +13,7 @@ namespace MANE_ISA {
 template <typename T, int W>
 class StrandStep : Recursion<T, W> {
   using Base = Recursion<T, W>;
+  using Base::AddShifted;
   using Base::AddWeight;
   using Base::All;
   using Base::Damped;
@@ -286,14 +287,7 @@ template <typename T, int W>
   rates.H.yz += Dot(J[1], P[2]) + Dot(S[1], Q[2]);
   rates.H.zz += Dot(J[2], P[2]) + Dot(S[2], Q[2]);
 
-  // X^T A X with X = (1, -[d]; 0, 1).
-  const Matrix<V> Y = beyond.A12 - TimesCross(beyond.A11, d);
-  left.A11 += beyond.A11;
-  left.A12 += Y;
-  left.A22 += beyond.A22;
-  AddCongruence(left.A22, beyond.A12, Y, d);
-  left.b1 += beyond.b1;
-  left.b2 += beyond.b2 + Cross(d, beyond.b1);
+  AddShifted(beyond, d, left);
 }
 
 // The rates by the left end's twist, and the cost of that alone (S7).

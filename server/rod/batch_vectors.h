@@ -17,6 +17,7 @@ struct Vector {
   friend Vector operator-(const Vector& a, const Vector& b) {
     return {a.x - b.x, a.y - b.y, a.z - b.z};
   }
+  friend Vector operator-(const Vector& a) { return {-a.x, -a.y, -a.z}; }
   friend Vector operator*(const V& s, const Vector& a) { return {s * a.x, s * a.y, s * a.z}; }
   Vector& operator+=(const Vector& a) { return *this = *this + a; }
   Vector& operator-=(const Vector& a) { return *this = *this - a; }
@@ -98,6 +99,9 @@ struct Symmetric {
   friend Vector<V> operator*(const Symmetric& A, const Vector<V>& a) {
     return {A.xx * a.x + A.xy * a.y + A.xz * a.z, A.xy * a.x + A.yy * a.y + A.yz * a.z,
             A.xz * a.x + A.yz * a.y + A.zz * a.z};
+  }
+  friend Symmetric operator*(const V& s, const Symmetric& A) {
+    return {s * A.xx, s * A.xy, s * A.xz, s * A.yy, s * A.yz, s * A.zz};
   }
   Symmetric& operator+=(const Symmetric& a) {
     xx += a.xx, xy += a.xy, xz += a.xz, yy += a.yy, yz += a.yz, zz += a.zz;

@@ -7,17 +7,17 @@
 
 namespace mane::rod {
 
-/// The batched kernels of one instruction set, for numbers of type T (float or double). Blocks are
+/// The batched kernels of one kind of strand, for numbers of type T (float or double). Blocks are
 /// those of batch_layout.h, aligned to 64 bytes. Pure functions of their arguments: each lane's
 /// result depends on nothing in other lanes.
 template <typename T>
-struct KernelTable {
-  /// Advances a block of kLanes strands of `N` elements by one step (rod.md, S1 to S7).
+struct KindKernels {
+  /// Advances a block of kLanes strands of `N` elements by one step (rod.md, S1 to S11).
   ///
   /// @param drive    (kDriveRows x kLanes)
-  /// @param scratch  ScratchSize(N) bytes, aligned to 64.
-  /// @param size     out: largest |theta|^2 of an element of each strand [rad^2]; 1e30 where
-  ///                 the strand's new state is not finite.
+  /// @param scratch  N times scratch_per_element bytes, aligned to 64.
+  /// @param size     out: square of the largest angles or unknowns of an element of each strand
+  ///                 [rad^2]; 1e30 where the strand's new state is not finite.
   void (*step)(int N, const T* constants, const T* drive, T* state, void* scratch, T* size);
 
   /// Points at equal arc length, root and tip included.
@@ -30,6 +30,17 @@ struct KernelTable {
 
   /// Bytes of scratch that `step` needs per element.
   int scratch_per_element;
+};
+
+/// The batched kernels of one instruction set.
+template <typename T>
+struct KernelTable {
+  KindKernels<T> plain;  ///< Super-Helices.
+  KindKernels<T> wound;  ///< Super-Helices along the axis of a coil (coil.md).
+
+  [[nodiscard]] const KindKernels<T>& Of(layout::Kind kind) const {
+    return kind == layout::Kind::kWound ? wound : plain;
+  }
 };
 
 /// Kernels for an instruction set that simd::Supported() lists.
