@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "groom/range.h"
+#include "groom/rest.h"
 #include "groom/validate.h"
-#include "rod/statics.h"
 
 namespace mane::groom {
 namespace {
@@ -20,8 +20,8 @@ constexpr size_t kMaxNameBytes = 200;
 constexpr int kGuidesPerPiece = 2;  // One guide takes long enough to outweigh handing it over.
 const Vector3d kGravity(0, -9.81, 0);
 
-bool AllFinite(std::span<const Vector3d> vectors) {
-  return std::ranges::all_of(vectors, [](const Vector3d& v) { return v.allFinite(); });
+bool AllFinite(std::span<const double> numbers) {
+  return std::ranges::all_of(numbers, [](double number) { return std::isfinite(number); });
 }
 
 Result<void> Validate(const Parts& parts, const Limits& limits) {
@@ -36,10 +36,11 @@ Result<void> Validate(const Parts& parts, const Limits& limits) {
   if (std::ssize(parts.guides) > limits.max_guides) {
     return TooMany("guides", "guides", std::ssize(parts.guides), limits.max_guides);
   }
-  long elements = 0;
+  long elements = 0, coordinates = 0;
   double rest_work = 0;
   for (const Guide& guide : parts.guides) {
     elements += guide.strand.elements();
+    coordinates += guide.coordinate_count();
     rest_work += std::pow(guide.strand.elements(), 3);
   }
   if (elements > limits.max_elements) {
@@ -52,24 +53,11 @@ Result<void> Validate(const Parts& parts, const Limits& limits) {
                              rest_work, limits.max_rest_work),
                  "guides"};
   }
-  if (!parts.rest_theta.empty() &&
-      (std::ssize(parts.rest_theta) != elements || !AllFinite(parts.rest_theta))) {
-    return InvalidArgument("rest_theta",
-                           fmt::format("rest_theta holds {} vectors; it must hold {}, all finite",
-                                       parts.rest_theta.size(), elements));
+  if (!parts.rest.empty() && (std::ssize(parts.rest) != coordinates || !AllFinite(parts.rest))) {
+    return InvalidArgument("rest", fmt::format("rest holds {} numbers; it must hold {}, all finite",
+                                               parts.rest.size(), coordinates));
   }
   return ValidateScalp(parts.scalp, limits);
-}
-
-void SolveRest(const Guide& guide, std::span<Vector3d> theta) {
-  const auto set_natural = [&] {
-    for (size_t Q = 0; Q < theta.size(); ++Q) {
-      theta[Q] = guide.strand.length[Q] * guide.strand.natural[Q];
-    }
-  };
-  set_natural();
-  (void)rod::SolveRestShape(guide.strand, guide.root, kGravity, theta);
-  if (!AllFinite(theta)) set_natural();
 }
 
 }  // namespace
@@ -85,18 +73,21 @@ Result<std::shared_ptr<const Groom>> Assemble(Parts parts, const Limits& limits,
   groom->guides = std::move(parts.guides);
 
   groom->first_element = {0};
+  groom->first_coordinate = {0};
   for (const Guide& guide : groom->guides) {
     groom->first_element.push_back(groom->element_count() + guide.strand.elements());
+    groom->first_coordinate.push_back(groom->coordinate_count() + guide.coordinate_count());
   }
-  groom->rest_theta = std::move(parts.rest_theta);
-  if (groom->rest_theta.empty()) {
-    groom->rest_theta.resize(groom->element_count());
+  groom->rest = std::move(parts.rest);
+  if (groom->rest.empty()) {
+    groom->rest.resize(groom->coordinate_count());
     const auto solve = [&](int begin, int end) {
       for (int i = begin; i < end; ++i) {
         const Guide& guide = groom->guides[i];
-        SolveRest(
-            guide,
-            std::span(groom->rest_theta).subspan(groom->first_element[i], guide.strand.elements()));
+        const auto rest = std::span(groom->rest)
+                              .subspan(groom->first_coordinate[i], guide.coordinate_count());
+        (void)SolveRest(guide, kGravity, rest);
+        if (!AllFinite(rest)) SetNatural(guide, rest);
       }
     };
     if (pool != nullptr) {
@@ -107,7 +98,9 @@ Result<std::shared_ptr<const Groom>> Assemble(Parts parts, const Limits& limits,
   }
   std::vector<rod::RootedStrand> strands;
   strands.reserve(groom->guides.size());
-  for (const Guide& guide : groom->guides) strands.push_back({&guide.strand, guide.root});
+  for (const Guide& guide : groom->guides) {
+    strands.push_back({&guide.strand, guide.root, guide.wound ? &*guide.wound : nullptr});
+  }
   groom->batch = rod::Batch<float>(strands);
   return std::shared_ptr<const Groom>(std::move(groom));
 }

@@ -21,9 +21,9 @@ struct Parts {
   uint64_t seed = 0;
   Scalp scalp;
   std::vector<Guide> guides;  ///< Made by MakeGuide or Generate.
-  /// Groom::rest_theta as an earlier Assemble of the same guides found it, (elements of all
-  /// guides); empty to solve it.
-  std::vector<Eigen::Vector3d> rest_theta;
+  /// Groom::rest as an earlier Assemble of the same guides found it, (coordinates of all guides);
+  /// empty to solve it.
+  std::vector<double> rest;
 };
 
 /// Builds the immutable groom: counts elements and, unless `parts` has it, finds the rest shape of
@@ -33,10 +33,10 @@ struct Parts {
 /// @param pool  shares out the guides; null solves on the calling thread. The bits do not depend on
 ///              it.
 /// @return RESOURCE_EXHAUSTED above `limits`; INVALID_ARGUMENT naming `guides` when there is none,
-///         `header.display_name`, a field of the scalp (ValidateScalp), or `rest_theta` when it
+///         `header.display_name`, a field of the scalp (ValidateScalp), or `rest` when it
 ///         does not fit the guides or is not finite.
 ///
-/// A guide for which the search stops short of equilibrium keeps the angles of least energy that it
+/// A guide for which the search stops short of equilibrium keeps the shape of least energy that it
 /// found: they are where a head starts, and the motion settles from there.
 [[nodiscard]] Result<std::shared_ptr<const Groom>> Assemble(Parts parts, const Limits& limits,
                                                             exec::WorkerPool* pool);

@@ -77,6 +77,7 @@ void AddGuide(const Guide& guide, Hasher* hasher) {
   hasher->Add(guide.material.density);
   hasher->AddList(guide.strand.length);
   hasher->AddList(guide.strand.natural);
+  if (guide.wound) hasher->Add(uint32_t{1});  // Nothing else, so that older grooms keep their etag.
   hasher->Add(guide.strand.internal_friction);
   hasher->Add(guide.strand.air_drag);
 }

@@ -67,6 +67,7 @@ groom::GuideDescription ToDescription(const v1::Guide& message) {
   guide.natural_twist = ToList(message.natural_twist());
   guide.natural_curvature_1 = ToList(message.natural_curvature_1());
   guide.natural_curvature_2 = ToList(message.natural_curvature_2());
+  guide.wound = message.model() == v1::STRAND_MODEL_WOUND;
   return guide;
 }
 
@@ -90,6 +91,7 @@ void FromDescription(const groom::GuideDescription& guide, v1::Guide* message) {
   FromList(guide.natural_twist, message->mutable_natural_twist());
   FromList(guide.natural_curvature_1, message->mutable_natural_curvature_1());
   FromList(guide.natural_curvature_2, message->mutable_natural_curvature_2());
+  if (guide.wound) message->set_model(v1::STRAND_MODEL_WOUND);
 }
 
 Result<void> AppendMesh(const v1::TriangleMesh& message, groom::TriangleMesh* mesh) {

@@ -58,9 +58,8 @@ Result<groom::Parts> DecodeContent(const storage::GroomRecord& record,
     if (!guide) return Damaged(record.id);
     parts.guides.push_back(*std::move(guide));
   }
-  parts.rest_theta.resize(content.rest.size() / sizeof(Eigen::Vector3d));
-  std::memcpy(static_cast<void*>(parts.rest_theta.data()), content.rest.data(),
-              parts.rest_theta.size() * sizeof(Eigen::Vector3d));
+  parts.rest.resize(content.rest.size() / sizeof(double));
+  std::memcpy(parts.rest.data(), content.rest.data(), parts.rest.size() * sizeof(double));
   return parts;
 }
 
@@ -84,9 +83,9 @@ Result<storage::GroomRecord> GroomLibrary::Create(Draft draft) {
   record.has_scalp = !std::holds_alternative<std::monostate>(g.scalp);
   record.etag = groom::Digest(g);
   record.create_time_ns = NowNanoseconds();
-  const auto* rest = reinterpret_cast<const char*>(g.rest_theta.data());
+  const auto* rest = reinterpret_cast<const char*>(g.rest.data());
   return store_.Put(
-      record, {EncodeContent(g), std::string(rest, g.rest_theta.size() * sizeof(Eigen::Vector3d))});
+      record, {EncodeContent(g), std::string(rest, g.rest.size() * sizeof(double))});
 }
 
 Result<std::shared_ptr<const groom::Groom>> GroomLibrary::Load(const std::string& name,

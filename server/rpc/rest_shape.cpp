@@ -4,10 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "rod/statics.h"
+#include "groom/rest.h"
 #include "rpc/convert_animation.h"
 #include "rpc/limits.h"
-#include "wire/reconstruct.h"
 
 namespace mane::rpc {
 namespace {
@@ -53,19 +52,18 @@ Result<void> ComputeRest(const groom::Groom& groom, const v1::ComputeRestShapeRe
                  "points_per_guide"};
   }
   std::vector<Vector3d> positions(total);
-  std::vector<Vector3d> curvatures(groom.element_count());
+  std::vector<double> curvatures(groom.coordinate_count());
   std::vector<double> residuals(groom.guide_count());
   pool.ParallelFor(groom.guide_count(), 1, [&](int guide, int) {
     const groom::Guide& description = groom.guides[guide];
-    const rod::Strand& strand = description.strand;
-    std::vector<Vector3d> theta(strand.elements());
-    for (int Q = 0; Q < strand.elements(); ++Q) theta[Q] = strand.length[Q] * strand.natural[Q];
-    residuals[guide] = rod::SolveRestShape(strand, description.root, gravity, theta).residual;
-    wire::SamplePoints(description.root, strand.length, theta,
-                       std::span(positions).subspan(size_t(guide) * points, points));
-    for (int Q = 0; Q < strand.elements(); ++Q) {
-      curvatures[groom.first_element[guide] + Q] = theta[Q] / strand.length[Q];
-    }
+    const auto rest = std::span(curvatures)
+                          .subspan(groom.first_coordinate[guide], description.coordinate_count());
+    residuals[guide] = groom::SolveRest(description, gravity, rest).residual;
+    groom::SamplePoints(description, rest,
+                        std::span(positions).subspan(size_t(guide) * points, points));
+    const std::vector<double>& length = description.strand.length;
+    const size_t per_element = rest.size() / length.size();
+    for (size_t i = 0; i < rest.size(); ++i) rest[i] /= length[i / per_element];
   });
   response->set_points_per_guide(static_cast<uint32_t>(points));
   response->set_positions(Bytes(positions));
