@@ -100,6 +100,12 @@ def test_the_environment_configures_too(tmp_path):
     assert "MANE_WORKERS is 'none'" in refused.stderr
 
 
+def test_an_instruction_set_that_this_machine_lacks_is_refused(tmp_path):
+    refused = maned("--listen", "127.0.0.1:0", "--data-dir", str(tmp_path / "data"), MANE_ISA="mmx")
+    assert refused.returncode == 1
+    assert "MANE_ISA" in refused.stderr and "scalar" in refused.stderr
+
+
 def test_a_second_daemon_on_the_same_folder_is_refused(start, tmp_path):
     start().wait_until_it_listens()
     second = maned("--listen", "127.0.0.1:0", "--data-dir", str(tmp_path / "data"))

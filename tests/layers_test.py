@@ -32,7 +32,8 @@ FOLDERS = {
     "base": Folder(libraries=("fmt",)),
     "math": Folder(("base",), ("Eigen",), pure=True),
     "exec": Folder(("base",), ("tbb",)),
-    "rod": Folder(("math",), ("Eigen",), pure=True),
+    "simd": Folder(("base",), ("fmt", "intrinsics")),
+    "rod": Folder(("math", "simd"), ("Eigen",), pure=True),
     "wire": Folder(("math",), ("Eigen",), pure=True),
     "groom": Folder(("rod", "exec"), ("Eigen", "fmt"), ("xxhash",)),
     "head": Folder(("groom", "exec", "wire"), ("Eigen", "fmt")),
@@ -61,6 +62,7 @@ LIBRARIES = {
     "toml++": ("toml++/",),
     "gtest": ("gtest/", "gmock/"),
     "xxhash": ("xxhash.h",),
+    "intrinsics": ("immintrin.h",),
     "posix": (
         *("sys/", "netinet/", "arpa/"),
         *("fcntl.h", "poll.h", "pthread.h", "signal.h", "spawn.h", "stdlib.h", "unistd.h"),

@@ -18,9 +18,9 @@ JOBS = str(os.cpu_count())
 
 DESCRIPTION = """
 Builds everything and runs all tests: C++ unit and end-to-end tests, Python tests, the checks of
-include arrows, API compatibility and format. With --full also lint, and the unit tests once more
-under AddressSanitizer with UndefinedBehaviorSanitizer and under ThreadSanitizer. Ends with the line
-`N passed, N failed`; the exit code is 0 only when nothing failed.
+include arrows, API compatibility, format and lint. With --full also the static analyser, and the
+unit tests once more under AddressSanitizer with UndefinedBehaviorSanitizer and under
+ThreadSanitizer. Ends with the line `N passed, N failed`; the exit code is 0 only when nothing failed.
 """
 
 
@@ -123,7 +123,7 @@ def parse_arguments() -> argparse.Namespace:
         description=DESCRIPTION,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--full", action="store_true", help="also lint and sanitizers")
+    parser.add_argument("--full", action="store_true", help="also sanitizers and the static analyser")
     parser.add_argument("--slow", action="store_true", help="also the container image (minutes)")
     return parser.parse_args()
 
@@ -139,12 +139,14 @@ def main() -> int:
     if build(totals, "ci"):
         run_ctest(totals, "ci")
         run_pytest(totals, "clients_py/tests", arguments.slow)
+        totals.add("lint", run_command("lint", ["python3", "tests/lint.py", "build/ci"]))
     run_pytest(totals, "tests", arguments.slow)
     if arguments.full:
         for preset in ("asan", "tsan"):
             if build(totals, preset):
                 run_ctest(totals, preset)
-        totals.add("lint", run_command("lint", ["python3", "tests/lint.py", "build/ci"]))
+        analyze = ["python3", "tests/lint.py", "--analyze", "build/ci"]
+        totals.add("analyser", run_command("analyser", analyze))
 
     for name in totals.failures:
         print(f"FAILED {name}")

@@ -92,6 +92,7 @@ v1::OpenHead ToProto(const HeadOptions& options) {
   out.set_points_per_guide(options.points_per_guide);
   out.set_rate_hz(options.rate_hz);
   out.set_substeps(options.substeps);
+  out.set_diagnostics(options.diagnostics);
   out.set_pose_delay_s(options.pose_delay_s);
   out.set_max_unacked_frames(options.max_unacked_frames);
   *out.mutable_initial_pose() = ToProto(options.initial_pose);

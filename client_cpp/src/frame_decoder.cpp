@@ -100,6 +100,11 @@ Result<std::shared_ptr<const Frame>> FrameDecoder::Decode(const v1::HairFrame& f
   out->newest_pose_time_s = frame.newest_pose_time_s();
   out->step_ms = frame.step_ms();
   out->repaired_guides = frame.repaired_guides();
+  if (frame.has_diagnostics()) {
+    const v1::Diagnostics& d = frame.diagnostics();
+    out->diagnostics = Diagnostics{d.kinetic_energy_j(), d.elastic_energy_j(), d.gravity_energy_j(),
+                                   d.largest_angle_rad(), d.imbalance()};
+  }
   out->positions.resize(size_t{3} * guide_count_ * points_);
   if (format_ == v1::FRAME_FORMAT_GENERALIZED) {
     Reconstruct(frame, *out);

@@ -44,7 +44,10 @@ Daemon::~Daemon() {
   if (pid_) {
     kill(pid_, SIGCONT);
     kill(pid_, SIGTERM);
-    if (!Reap(20)) Kill();
+    if (!Reap(20)) {
+      kill(pid_, SIGKILL);
+      Reap(30);
+    }
   }
   std::error_code ignored;
   fs::remove_all(folder_, ignored);
@@ -64,7 +67,9 @@ void Daemon::AwaitPort(const fs::path& port_file) {
     if (Reap(0)) throw std::runtime_error("maned ended while it was starting");
     return static_cast<bool>(std::ifstream(port_file) >> port_);
   });
-  if (!up) throw std::runtime_error("maned wrote no port file");
+  if (up) return;
+  Kill();
+  throw std::runtime_error("maned wrote no port file");
 }
 
 void Daemon::Kill() {

@@ -89,6 +89,21 @@ TEST(E2eLockstep, EightHeadsAtOnceReplayBitForBit) {
   }
 }
 
+TEST(E2eLockstep, DiagnosticsComeWhereTheyAreAskedFor) {
+  Daemon daemon;
+  Client client = daemon.Connect();
+  HeadOptions options = Lockstep(Create(client, WavyGroom(3)));
+  for (const FramePtr& frame : Play(client, options, 5)) EXPECT_FALSE(frame->diagnostics);
+  options.diagnostics = true;
+  const Frames frames = Play(client, options, 20);
+  ASSERT_EQ(frames.size(), 20u);
+  for (const FramePtr& frame : frames) ASSERT_TRUE(frame->diagnostics) << frame->index;
+  EXPECT_EQ(frames[0]->diagnostics->kinetic_energy_j, 0);
+  EXPECT_LT(frames[0]->diagnostics->imbalance, 1e-3);
+  EXPECT_GT(frames[9]->diagnostics->kinetic_energy_j, 0);
+  EXPECT_GT(frames[9]->diagnostics->largest_angle_rad, 0);
+}
+
 TEST(E2eLockstep, BitsSurviveARestartOfTheDaemon) {
   Daemon daemon;
   HeadOptions options;

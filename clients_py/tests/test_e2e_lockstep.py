@@ -29,6 +29,17 @@ def in_head_frame(frame: mane.Frame) -> np.ndarray:
     return relative @ Rotation.from_quat(pose.orientation).as_matrix()
 
 
+def test_diagnostics_come_where_they_are_asked_for(client, groom):
+    silent = play(client, groom, shake())
+    assert all(frame.diagnostics is None for frame in silent)
+    frames = play(client, groom, shake(), diagnostics=True)
+    np.testing.assert_array_equal(stacked(frames), stacked(silent))
+    first, last = frames[0].diagnostics, frames[-1].diagnostics
+    assert first.kinetic_energy_j == 0 and first.imbalance < 1e-3
+    assert last.kinetic_energy_j > 0 and last.imbalance > first.imbalance
+    assert last.largest_angle_rad > 0
+
+
 def test_every_pose_yields_its_frame(client, groom):
     motion = shake()
     frames = play(client, groom, motion, points_per_guide=7)

@@ -19,6 +19,8 @@ using Texts = std::map<std::string, std::string, std::less<>>;
 constexpr const char* kFooter = R"(
 Every setting can also come from the environment (MANE_MAX_HEADS=200) or from a TOML file given by
 --config or MANE_CONFIG (max-heads = 200). A flag wins over the environment, that over the file.
+MANE_ISA=scalar, neon, avx2 or avx512 holds the kernels to one instruction set; without it they
+take the fastest that this machine has.
 
 Examples:
   maned                                         serve this machine on 127.0.0.1:7420

@@ -19,6 +19,7 @@
 #include "app/server_options.h"
 #include "app/settings.h"
 #include "rpc/server.h"
+#include "simd/isa.h"
 
 namespace mane::app {
 namespace {
@@ -71,7 +72,10 @@ int Fail(const Error& error) {
 int Serve(const Options& options) {
   StopSignals signals;
   SetUpLogging(options.log_level);
-  spdlog::info("event=configuration version=" MANE_VERSION " {}", Describe(options));
+  const Result<simd::Isa> isa = simd::Choose(FromEnvironment("MANE_ISA").value_or(""));
+  if (!isa) return Fail(isa.error());
+  spdlog::info("event=configuration version=" MANE_VERSION " isa={} {}", simd::Name(*isa),
+               Describe(options));
   if (!IsLoopback(options.listen) && options.insecure_non_loopback) {
     spdlog::warn(
         "event=insecure_listener listen={} tls={} token={} message=\"anyone who reaches this "

@@ -1,5 +1,7 @@
 #include "exec/worker_pool.h"
 
+#include <oneapi/tbb/parallel_for.h>
+
 #include <thread>
 #include <utility>
 
@@ -24,6 +26,18 @@ WorkerPool::WorkerPool(int workers)
 }
 
 WorkerPool::~WorkerPool() { WaitIdle(); }
+
+void WorkerPool::RunPieces(int pieces, void* context, Piece piece) {
+  if (pieces <= 1 || workers_ == 1) {
+    for (int i = 0; i < pieces; ++i) piece(context, i);
+    return;
+  }
+  // Isolated: a worker that waits for the last piece takes no other work into its stack.
+  arena_.execute([&] {
+    tbb::this_task_arena::isolate(
+        [&] { tbb::parallel_for(0, pieces, [&](int i) { piece(context, i); }); });
+  });
+}
 
 void WorkerPool::Post(std::function<void()> task) {
   {

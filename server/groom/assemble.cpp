@@ -105,6 +105,10 @@ Result<std::shared_ptr<const Groom>> Assemble(Parts parts, const Limits& limits,
       solve(0, groom->guide_count());
     }
   }
+  std::vector<rod::RootedStrand> strands;
+  strands.reserve(groom->guides.size());
+  for (const Guide& guide : groom->guides) strands.push_back({&guide.strand, guide.root});
+  groom->batch = rod::Batch<float>(strands);
   return std::shared_ptr<const Groom>(std::move(groom));
 }
 

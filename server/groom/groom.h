@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "math/rigid.h"
+#include "rod/batch.h"
 #include "rod/strand.h"
 
 namespace mane::groom {
@@ -58,6 +59,8 @@ struct Groom {
   /// Element angles theta_Q = l_Q kappa_Q of the static equilibrium under standard gravity with the
   /// head upright [rad], (elements of all guides).
   std::vector<Eigen::Vector3d> rest_theta;
+  /// The guides packed for the batched step; strand i is guide i.
+  rod::Batch<float> batch;
 
   [[nodiscard]] int guide_count() const { return static_cast<int>(guides.size()); }
   [[nodiscard]] int element_count() const { return first_element.back(); }

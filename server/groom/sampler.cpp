@@ -109,8 +109,9 @@ class EllipsoidRegion {
 
   // Normal at the fractions u and v across cell `i`.
   [[nodiscard]] Vector3d Normal(int i, double u, double v) const {
-    const double drop = (i / kCells + u) * drop_step_;
-    const double azimuth = (i % kCells + v) * kAzimuthStep;
+    const int row = i / kCells, column = i % kCells;
+    const double drop = (row + u) * drop_step_;
+    const double azimuth = (column + v) * kAzimuthStep;
     const double sine = std::sqrt(std::max(drop * (2 - drop), 0.0));
     return to_cap_ * Vector3d(sine * std::cos(azimuth), 1 - drop, sine * std::sin(azimuth));
   }

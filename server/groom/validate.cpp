@@ -122,8 +122,8 @@ std::vector<double> DescribeNatural(const std::vector<Vector3d>& natural, int k)
   const bool same = std::ranges::all_of(natural, [&](const Vector3d& n) { return n[k] == first; });
   if (same && first == 0) return {};
   if (same) return {first};
-  std::vector<double> values;
-  for (const Vector3d& n : natural) values.push_back(n[k]);
+  std::vector<double> values(natural.size());
+  std::ranges::transform(natural, values.begin(), [k](const Vector3d& n) { return n[k]; });
   return values;
 }
 

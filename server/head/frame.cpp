@@ -1,16 +1,19 @@
 #include "head/frame.h"
 
+#include <array>
 #include <span>
 #include <vector>
 
 #include "base/check.h"
+#include "head/kernels.h"
 #include "wire/frame_codec.h"
-#include "wire/reconstruct.h"
 
 namespace mane::head {
 namespace {
 
-constexpr int kGuidesPerPiece = 32;
+using PoseRows = std::array<rod::Row<float>, rod::layout::kPoseRows>;
+
+constexpr int kBlocksPerPiece = 4;
 
 // Bytes of one guide of N elements.
 size_t GuideSize(const View& view, size_t N) {
@@ -25,17 +28,45 @@ size_t GuideSize(const View& view, size_t N) {
   MANE_CHECK(false);
 }
 
-void EncodeGuide(const groom::Guide& guide, std::span<const Eigen::Vector3d> theta,
-                 const math::Pose& pose, const View& view, std::span<std::byte> data) {
-  if (view.format == FrameFormat::kGeneralized) return wire::EncodeAngles(theta, data);
-  thread_local std::vector<Eigen::Vector3f> points;
-  points.resize(view.points_per_guide);
-  const math::Pose root = view.space == Space::kHead ? guide.root : pose * guide.root;
-  wire::SamplePoints(root, guide.strand.length, theta, std::span(points));
-  if (view.format == FrameFormat::kPositionsFloat32) {
-    wire::EncodePositions(points, data);
-  } else {
-    wire::EncodeQuantized(points, data);
+// One worker's memory.
+struct Scratch {
+  std::vector<rod::Row<float>> positions;  // (points x 3)
+  std::vector<Eigen::Vector3f> points;
+  std::vector<Eigen::Vector3d> theta;
+};
+
+void EncodeBlockAngles(const groom::Groom& groom, const rod::Batch<float>::Block& block,
+                       const HeadState& state, std::span<std::byte> data, Scratch& scratch) {
+  scratch.theta.resize(block.elements);
+  for (int lane = 0; lane < block.count; ++lane) {
+    const int guide = block.strands[lane];
+    groom.batch.GetAngles(guide, state.guides, scratch.theta);
+    wire::EncodeAngles(scratch.theta, data.subspan(wire::AnglesSize(groom.first_element[guide]),
+                                                   wire::AnglesSize(block.elements)));
+  }
+}
+
+void EncodeBlockPositions(const groom::Groom& groom, const rod::Batch<float>::Block& block,
+                          const HeadState& state, const PoseRows& pose, const View& view,
+                          std::span<std::byte> data, Scratch& scratch) {
+  const int points = view.points_per_guide;
+  const size_t size = GuideSize(view, block.elements);
+  scratch.positions.resize(static_cast<size_t>(3) * points);
+  scratch.points.resize(points);
+  Kernels().sample(block.elements, groom.batch.constants(block), pose[0].lane,
+                   state.guides[block.state].lane, points, scratch.positions[0].lane);
+  for (int lane = 0; lane < block.count; ++lane) {
+    const rod::Row<float>* row = scratch.positions.data();
+    for (Eigen::Vector3f& point : scratch.points) {
+      point = {row[0].lane[lane], row[1].lane[lane], row[2].lane[lane]};
+      row += 3;
+    }
+    const std::span<std::byte> bytes = data.subspan(block.strands[lane] * size, size);
+    if (view.format == FrameFormat::kPositionsFloat32) {
+      wire::EncodePositions(scratch.points, bytes);
+    } else {
+      wire::EncodeQuantized(scratch.points, bytes);
+    }
   }
 }
 
@@ -51,14 +82,18 @@ std::string EncodeFrame(const groom::Groom& groom, const HeadState& state, const
   MANE_CHECK(view.points_per_guide >= 2);
   std::string bytes(FrameSize(groom, view), '\0');
   const std::span<std::byte> data = std::as_writable_bytes(std::span(bytes));
-  pool.ParallelFor(groom.guide_count(), kGuidesPerPiece, [&](int begin, int end) {
+  PoseRows pose;
+  rod::SetPose<float>(view.space == Space::kHead ? math::Pose{} : state.pose, 0,
+                      rod::layout::kLanes, pose);
+  const auto blocks = groom.batch.blocks();
+  pool.ParallelFor(static_cast<int>(blocks.size()), kBlocksPerPiece, [&](int begin, int end) {
+    thread_local Scratch scratch;
     for (int i = begin; i < end; ++i) {
-      const size_t first = groom.first_element[i], N = groom.first_element[i + 1] - first;
-      const size_t size = GuideSize(view, N);
-      const size_t offset =
-          view.format == FrameFormat::kGeneralized ? wire::AnglesSize(first) : i * size;
-      EncodeGuide(groom.guides[i], std::span(state.theta).subspan(first, N), state.pose, view,
-                  data.subspan(offset, size));
+      if (view.format == FrameFormat::kGeneralized) {
+        EncodeBlockAngles(groom, blocks[i], state, data, scratch);
+      } else {
+        EncodeBlockPositions(groom, blocks[i], state, pose, view, data, scratch);
+      }
     }
   });
   return bytes;

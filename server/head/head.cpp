@@ -1,56 +1,63 @@
 #include "head/head.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <span>
 
 #include "base/check.h"
+#include "head/kernels.h"
+#include "rod/gauss.h"
 
 namespace mane::head {
 namespace {
 
 using Eigen::Vector3d;
+using Drive = std::array<rod::Row<float>, rod::layout::kDriveRows>;
 
-// Guides advanced in one piece by one worker: enough to outweigh handing it over, few enough to
-// share a head of a hundred guides among several.
-constexpr int kGuidesPerPiece = 8;
-
-rod::StrandState StrandOf(const groom::Groom& groom, int guide, HeadState* state) {
-  const size_t first = groom.first_element[guide];
-  const size_t N = groom.first_element[guide + 1] - first;
-  return {std::span(state->theta).subspan(first, N), std::span(state->rate).subspan(first, N),
-          std::span(state->velocity).subspan(first * rod::kGaussPoints, N * rod::kGaussPoints)};
-}
+// Blocks advanced in one piece by one worker: a piece takes longer than handing it over.
+constexpr int kBlocksPerPiece = 4;
+// Steps that a piece makes at a time, whose drives are at hand together.
+constexpr int kStepsAtOnce = 16;
 
 void PutToRest(const groom::Groom& groom, int guide, HeadState* state) {
-  const rod::StrandState strand = StrandOf(groom, guide, state);
-  std::copy_n(groom.rest_theta.begin() + groom.first_element[guide], strand.theta.size(),
-              strand.theta.begin());
-  std::ranges::fill(strand.rate, Vector3d::Zero());
-  std::ranges::fill(strand.velocity, Vector3d::Zero());
+  thread_local std::vector<Vector3d> theta, zero;
+  const int first = groom.first_element[guide], N = groom.first_element[guide + 1] - first;
+  theta.assign(groom.rest_theta.begin() + first, groom.rest_theta.begin() + first + N);
+  zero.assign(static_cast<size_t>(N) * rod::kGaussPoints, Vector3d::Zero());
+  groom.batch.SetStrand(guide, {theta, std::span(zero).first(N), zero}, state->guides);
 }
 
-// All time steps of one guide. False when it had to be put to rest.
-bool AdvanceGuide(const groom::Groom& groom, int guide, const Movement& movement, int steps,
-                  const Environment& environment, HeadState* state) {
-  thread_local rod::StepScratch scratch;
-  const groom::Guide& description = groom.guides[guide];
-  const rod::StrandState strand = StrandOf(groom, guide, state);
-  math::Pose begin = state->pose;
-  for (int i = 1; i <= steps; ++i) {
-    const math::Pose end = i == steps
-                               ? movement.target
-                               : math::Interpolate(state->pose, movement.target, double(i) / steps);
-    const rod::ClampMotion clamp{begin * description.root, end * description.root,
-                                 movement.duration / steps};
-    if (!rod::Step(description.strand, clamp, environment, strand, scratch)) {
-      PutToRest(groom, guide, state);
-      return false;
-    }
-    begin = end;
+// Steps [begin, end) of `steps` equal ones along `movement`, which starts at `from`.
+void SetDrives(const math::Pose& from, const Movement& movement, int steps, int begin, int end,
+               const Environment& environment, std::vector<Drive>* drives) {
+  drives->resize(kStepsAtOnce);
+  const auto pose = [&](int i) {
+    return i == steps ? movement.target
+                      : math::Interpolate(from, movement.target, static_cast<double>(i) / steps);
+  };
+  for (int i = begin; i < end; ++i) {
+    const rod::ClampMotion motion{pose(i), pose(i + 1), movement.duration / steps};
+    rod::SetDrive<float>(motion, environment, 0, rod::layout::kLanes, (*drives)[i - begin]);
   }
-  return true;
+}
+
+// All given steps of one block. Returns how many strands had to be put to rest.
+int AdvanceBlock(const groom::Groom& groom, const rod::Batch<float>::Block& block,
+                 std::span<const Drive> drives, HeadState* state) {
+  thread_local rod::BatchScratch scratch;
+  int repaired = 0;
+  for (const Drive& drive : drives) {
+    uint32_t failed =
+        rod::StepBlock<float>(Kernels(), groom.batch, block, drive, state->guides, scratch);
+    for (int lane = 0; failed != 0 && lane < block.count; ++lane) {
+      if ((failed >> lane & 1) == 0) continue;
+      PutToRest(groom, block.strands[lane], state);
+      ++repaired;
+    }
+  }
+  return repaired;
 }
 
 }  // namespace
@@ -64,31 +71,45 @@ int StepCount(const Movement& movement) {
 HeadState AtRest(const groom::Groom& groom, const math::Pose& pose) {
   HeadState state;
   state.pose = pose;
-  state.theta = groom.rest_theta;
-  state.rate.assign(groom.element_count(), Vector3d::Zero());
-  state.velocity.assign(size_t(groom.element_count()) * rod::kGaussPoints, Vector3d::Zero());
+  state.guides.resize(groom.batch.state_rows());
+  for (int guide = 0; guide < groom.guide_count(); ++guide) PutToRest(groom, guide, &state);
   return state;
 }
 
 void Reset(const groom::Groom& groom, HeadState* state) { *state = AtRest(groom, state->pose); }
 
-void Teleport(const math::Pose& pose, HeadState* state) {
+std::vector<Vector3d> Angles(const groom::Groom& groom, const HeadState& state) {
+  std::vector<Vector3d> theta(groom.element_count());
+  for (int guide = 0; guide < groom.guide_count(); ++guide) {
+    groom.batch.GetAngles(guide, state.guides,
+                          std::span(theta).subspan(groom.first_element[guide]));
+  }
+  return theta;
+}
+
+void Teleport(const groom::Groom& groom, const math::Pose& pose, HeadState* state) {
   const Eigen::Quaterniond turn = pose.q * state->pose.q.conjugate();
-  for (Vector3d& u : state->velocity) u = turn * u;
+  groom.batch.RotateVelocities(turn.toRotationMatrix(), state->guides);
   state->pose = pose;
 }
 
 StepReport Advance(const groom::Groom& groom, const Movement& movement,
                    const Environment& environment, HeadState* state, exec::WorkerPool& pool) {
   MANE_CHECK(movement.duration > 0 && movement.substeps >= 1);
-  MANE_CHECK(static_cast<int>(state->theta.size()) == groom.element_count());
+  MANE_CHECK(state->guides.size() == groom.batch.state_rows());
+  thread_local std::vector<Drive> own_drives;
+  std::vector<Drive>& drives = own_drives;
   const int steps = StepCount(movement);
+  const auto blocks = groom.batch.blocks();
   std::atomic<int> repaired = 0;
-  pool.ParallelFor(groom.guide_count(), kGuidesPerPiece, [&](int begin, int end) {
-    for (int guide = begin; guide < end; ++guide) {
-      if (!AdvanceGuide(groom, guide, movement, steps, environment, state)) ++repaired;
-    }
-  });
+  for (int begin = 0; begin < steps; begin += kStepsAtOnce) {
+    const int end = std::min(steps, begin + kStepsAtOnce);
+    SetDrives(state->pose, movement, steps, begin, end, environment, &drives);
+    const std::span<const Drive> now = std::span(drives).first(end - begin);
+    pool.ParallelFor(static_cast<int>(blocks.size()), kBlocksPerPiece, [&](int first, int last) {
+      for (int i = first; i < last; ++i) repaired += AdvanceBlock(groom, blocks[i], now, state);
+    });
+  }
   state->pose = movement.target;
   return {repaired};
 }

@@ -7,6 +7,7 @@
 #include "exec/worker_pool.h"
 #include "groom/groom.h"
 #include "math/rigid.h"
+#include "rod/batch.h"
 #include "rod/step.h"
 
 namespace mane::head {
@@ -16,11 +17,8 @@ using Environment = rod::Surroundings;
 
 /// Every mutable number of one animated head. One owner at a time; copy it to keep a checkpoint.
 struct HeadState {
-  math::Pose pose;                     ///< head -> world: where the roots are clamped.
-  std::vector<Eigen::Vector3d> theta;  ///< Element angles [rad], (elements of all guides).
-  std::vector<Eigen::Vector3d> rate;   ///< Their rates over the last step [rad/s], same shape.
-  std::vector<Eigen::Vector3d>
-      velocity;  ///< At Gauss points, world [m/s], (elements x kGaussPoints).
+  math::Pose pose;                      ///< head -> world: where the roots are clamped.
+  std::vector<rod::Row<float>> guides;  ///< As Groom::batch packs them, (state_rows).
 };
 
 /// The groom's rest shape on a head at `pose`, standing still.
@@ -29,8 +27,12 @@ struct HeadState {
 /// Puts the hair to its rest shape, standing still; the pose stays.
 void Reset(const groom::Groom& groom, HeadState* state);
 
+/// Element angles of all guides [rad], (elements of all guides).
+[[nodiscard]] std::vector<Eigen::Vector3d> Angles(const groom::Groom& groom,
+                                                  const HeadState& state);
+
 /// Moves head and hair together as one rigid body: shapes stay, velocities turn along.
-void Teleport(const math::Pose& pose, HeadState* state);
+void Teleport(const groom::Groom& groom, const math::Pose& pose, HeadState* state);
 
 /// No time step is longer than this [s].
 inline constexpr double kLongestStep = 0.1;

@@ -175,6 +175,7 @@ Result<session::HeadOptions> ToHeadOptions(const v1::OpenHead& message) {
   const auto environment = ToEnvironment(message.environment(), "open.environment");
   if (!environment) return environment.error();
   options.environment = *environment;
+  options.diagnostics = message.diagnostics();
   if (message.request_id().size() > kMaxRequestId) {
     return InvalidArgument("open.request_id",
                            fmt::format("open.request_id has {} bytes; at most {} are allowed",
@@ -208,6 +209,13 @@ void FromFrame(const session::Frame& frame, uint32_t skipped, v1::HairFrame* mes
   message->set_newest_pose_time_s(frame.newest_pose_time);
   message->set_step_ms(1e3 * frame.step_seconds);
   message->set_repaired_guides(static_cast<uint32_t>(frame.repaired_guides));
+  if (!frame.diagnostics) return;
+  v1::Diagnostics* diagnostics = message->mutable_diagnostics();
+  diagnostics->set_kinetic_energy_j(frame.diagnostics->kinetic_energy);
+  diagnostics->set_elastic_energy_j(frame.diagnostics->elastic_energy);
+  diagnostics->set_gravity_energy_j(frame.diagnostics->gravity_energy);
+  diagnostics->set_largest_angle_rad(frame.diagnostics->largest_angle);
+  diagnostics->set_imbalance(frame.diagnostics->imbalance);
 }
 
 void FromNotice(const session::Notice& notice, v1::Notice* message) {

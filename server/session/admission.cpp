@@ -32,7 +32,8 @@ Result<void> AdmitFrame(const groom::Groom& groom, const head::Movement& movemen
 
 double RealtimeLoad(const groom::Groom& groom, const HeadOptions& options) {
   if (options.pacing != Pacing::kRealtime) return 0;
-  return static_cast<double>(groom.element_count()) * options.substeps * options.rate_hz;
+  const int steps = options.substeps + (options.diagnostics ? kDiagnosticsSteps : 0);
+  return static_cast<double>(groom.element_count()) * steps * options.rate_hz;
 }
 
 }  // namespace mane::session

@@ -9,6 +9,9 @@ namespace mane::session {
 /// What one head may cost, so that it cannot hold up the others: a frame, once begun, is computed
 /// to its end. Costs count in element-steps, one time step of one element, a microsecond or so.
 
+/// Element-steps that the diagnostics of one element count as.
+inline constexpr int kDiagnosticsSteps = 64;
+
 /// Element-steps of one lockstep frame: seconds of work at most.
 inline constexpr double kMaxFrameWork = 1e7;
 /// Bytes of one frame; several may wait for a slow lockstep client.

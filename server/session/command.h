@@ -24,6 +24,7 @@ struct HeadOptions {
   int max_unacked = 3;      ///< Frames under way, real time only.
   math::Pose initial_pose;  ///< Before the first pose.
   head::Environment environment;
+  bool diagnostics = false;  ///< Every frame carries them.
 };
 
 /// A timed pose, head -> world; `teleport` moves head and hair without dynamics.

@@ -157,6 +157,9 @@ std::shared_ptr<Frame> HeadSession::MakeFrame(double time, double newest_pose_ti
   frame->time = time;
   frame->pose = state_.pose;
   frame->data = head::EncodeFrame(*groom_, state_, options_.view, pool_);
+  if (options_.diagnostics) {
+    frame->diagnostics = head::Diagnose(*groom_, state_, environment_, pool_);
+  }
   frame->newest_pose_time = newest_pose_time;
   frame->repaired_guides = std::exchange(repaired_, 0);
   frame->step_seconds = base::SteadySeconds() - started;
@@ -188,7 +191,7 @@ void HeadSession::RunQueue() {
     const PoseCommand& pose = std::get<PoseCommand>(command);
     const double started = base::SteadySeconds();
     if (pose.teleport || !placed_) {
-      head::Teleport(pose.pose, &state_);
+      head::Teleport(*groom_, pose.pose, &state_);
       placed_ = true;
     } else {
       MoveTo(pose.pose, pose.time - last_pose_time_);
@@ -225,7 +228,8 @@ void HeadSession::Tick(double due, int missed) {
 std::optional<math::Pose> HeadSession::RealtimeTarget(double due, double* time,
                                                       double* newest_pose_time) {
   if (motion_.empty()) return std::nullopt;
-  *time = motion_.ClientTime(due) - options_.pose_delay;
+  // What is shown is never older than the first pose.
+  *time = std::max(motion_.oldest_time(), motion_.ClientTime(due) - options_.pose_delay);
   // Never back, even when the estimate of the client's clock is corrected.
   if (placed_) *time = std::max(shown_time_, *time);
   *newest_pose_time = motion_.newest_time();
@@ -252,7 +256,7 @@ void HeadSession::RunTick(double due, double now) {
     jump = jump || std::holds_alternative<PoseCommand>(command);
   }
   if (target) {
-    if (jump) head::Teleport(*target, &state_);
+    if (jump) head::Teleport(*groom_, *target, &state_);
     placed_ = true;
   }
   if (elapsed > 0 && !jump) MoveTo(target.value_or(state_.pose), elapsed);

@@ -31,6 +31,7 @@ class MotionBuffer {
   void Clear() { poses_.clear(); }
 
   [[nodiscard]] bool empty() const { return poses_.empty(); }
+  [[nodiscard]] double oldest_time() const { return poses_.front().time; }
   [[nodiscard]] double newest_time() const { return poses_.back().time; }
   [[nodiscard]] double newest_arrival() const { return poses_.back().arrival; }
 

@@ -160,6 +160,36 @@ TEST_F(RegistryTest, RealtimeTicksByItself) {
   EXPECT_GE(frames.back()->newest_pose_time, frames.back()->time - 1);
 }
 
+TEST_F(RegistryTest, FramesAreNeverOlderThanTheFirstPose) {
+  Registry registry({}, pool_, pool_);
+  TestStream stream;
+  HeadOptions options;
+  options.rate_hz = 120;
+  options.pose_delay = 0.05;
+  const auto opened = registry.Open(groom_, options, "", &stream);
+  ASSERT_TRUE(opened);
+  stream.Follow(opened->head);
+  constexpr double kFirst = 1000;
+  const auto start = std::chrono::steady_clock::now();
+  for (uint64_t acked = 0; acked < 30;) {
+    ASSERT_TRUE(stream.WaitFor([&](const TestStream& s) {
+      return !s.frames_.empty() && s.frames_.back()->index > acked;
+    }));
+    acked = stream.frames().back()->index;
+    const std::chrono::duration<double> since = std::chrono::steady_clock::now() - start;
+    ASSERT_TRUE(opened->head->Submit(PoseCommand{kFirst + since.count(), {}}));
+    ASSERT_TRUE(opened->head->Acknowledge(acked));
+  }
+  registry.Close(opened->head, &stream);
+  double last = kFirst;
+  for (const FramePtr& frame : stream.frames()) {
+    if (frame->newest_pose_time == 0) continue;  // Before the first pose.
+    EXPECT_GE(frame->time, last);
+    last = frame->time;
+  }
+  EXPECT_GT(last, kFirst + 0.05);
+}
+
 TEST_F(RegistryTest, AReaderThatAcknowledgesNothingGetsTheWindowAndThenTheNewest) {
   Registry registry({}, pool_, pool_);
   TestStream stream;

@@ -58,12 +58,24 @@ struct HeadOptions {
   std::uint32_t max_unacked_frames = 0;  ///< kRealtime: frames on their way, 1 to 16; 0 means 3.
   Pose initial_pose = {};                ///< Where the head is before the first pose.
   Environment environment = {};
+  bool diagnostics = false;  ///< Every frame carries them; costs some ten time steps a frame.
 
   /// kRealtime: how long a broken stream is retried before the head closes. Pauses between tries
   /// grow from 50 ms to 2 s.
   std::chrono::milliseconds reconnect_timeout{60'000};
   /// kLockstep: how long Step() waits for its frame.
   std::chrono::milliseconds step_timeout{10'000};
+};
+
+/// What the hair of a head holds at one moment, sums over its guides.
+struct Diagnostics {
+  double kinetic_energy_j = 0;
+  double elastic_energy_j = 0;   ///< 0 in the natural shape.
+  double gravity_energy_j = 0;   ///< Of weight; 0 where every point lies as high as its root.
+  double largest_angle_rad = 0;  ///< Of an element: twist and bends together.
+  /// Of the guide furthest from static equilibrium: its largest generalized force over the largest
+  /// moment that its weight can exert. At rest as small as rounding.
+  double imbalance = 0;
 };
 
 /// One frame of hair. Immutable once published; keep it as long as you like.
@@ -80,6 +92,7 @@ struct Frame {
   double newest_pose_time_s = 0;      ///< Your clock: the newest pose known when it was computed.
   double step_ms = 0;                 ///< Time the server spent on computing it.
   std::uint32_t repaired_guides = 0;  ///< Guides put back to rest; above 0 is a server fault.
+  std::optional<Diagnostics> diagnostics = {};  ///< Where HeadOptions::diagnostics asked for them.
 };
 
 enum class HeadState {

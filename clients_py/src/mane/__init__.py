@@ -24,7 +24,7 @@ from mane.errors import (
     Unauthenticated,
     Unavailable,
 )
-from mane.frames import Frame, FrameFormat, Space
+from mane.frames import Diagnostics, Frame, FrameFormat, Space
 from mane.groom import (
     Ellipsoid,
     Groom,
@@ -47,6 +47,7 @@ __all__ = [
     "Cancelled",
     "Client",
     "DeadlineExceeded",
+    "Diagnostics",
     "Ellipsoid",
     "Environment",
     "Error",

@@ -35,6 +35,26 @@ class Space(StrEnum):
     HEAD = "head"
 
 
+@dataclass(frozen=True)
+class Diagnostics:
+    """What the hair of a head holds at one moment, sums over its guides.
+
+    Attributes:
+      kinetic_energy_j: [J].
+      elastic_energy_j: [J]; 0 in the natural shape.
+      gravity_energy_j: of weight [J]; 0 where every point lies as high as its root.
+      largest_angle_rad: of an element, twist and bends together.
+      imbalance: of the guide furthest from static equilibrium: its largest generalized force over
+        the largest moment that its weight can exert. At rest as small as rounding.
+    """
+
+    kinetic_energy_j: float
+    elastic_energy_j: float
+    gravity_energy_j: float
+    largest_angle_rad: float
+    imbalance: float
+
+
 @dataclass(frozen=True, eq=False)
 class Frame:
     """Hair at one moment.
@@ -51,6 +71,7 @@ class Frame:
         clock [s].
       step_ms: time that the server spent on the frame [ms].
       repaired_guides: guides that the server put back to rest because of a fault of its own.
+      diagnostics: energies and the like; None unless the head was opened with `diagnostics`.
       angles: element angles (twist, bend 1, bend 2), (element of all guides, 3) float32 [rad]; None
         unless the format is GENERALIZED.
     """
@@ -63,6 +84,7 @@ class Frame:
     newest_pose_time_s: float = 0.0
     step_ms: float = 0.0
     repaired_guides: int = 0
+    diagnostics: Diagnostics | None = None
     angles: np.ndarray | None = None
 
 

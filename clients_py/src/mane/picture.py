@@ -79,6 +79,8 @@ def write_video(
     if len(motion) < 2:
         raise InvalidArgument.of("motion", f"has {len(motion)} pose, must have at least 2")
     painter = Painter(mesh, positions, motion, look)
+    # Else it forks, and a fork of a process that talks gRPC may break.
+    os.environ.setdefault("IMAGEIO_FFMPEG_NO_PREVENT_SIGINT", "1")
     writer = imageio_ffmpeg.write_frames(
         str(path),
         (look.size * len(views), look.size),

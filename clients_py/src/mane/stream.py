@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 
 from mane import messages
-from mane.frames import Frame, FrameDecoder, FrameFormat, Space
+from mane.frames import Diagnostics, Frame, FrameDecoder, FrameFormat, Space
 from mane.helix import Strands
 from mane.pose import Environment, Pose
 from mane.v1 import animation_pb2
@@ -81,6 +81,7 @@ def open_head(
     max_unacked_frames: int = 3,
     initial_pose: Pose | None = None,
     environment: Environment | None = None,
+    diagnostics: bool = False,
 ) -> animation_pb2.OpenHead:
     """The message that opens a head; `mane.Client.open_head` describes the arguments."""
     choice = messages.choice("pacing", Pacing, pacing)
@@ -95,6 +96,7 @@ def open_head(
         pose_delay_s=pose_delay_s,
         max_unacked_frames=max_unacked_frames if choice == Pacing.REALTIME else 0,
         request_id=messages.request_id(),
+        diagnostics=diagnostics,
     )
     if initial_pose is not None:
         message.initial_pose.CopyFrom(messages.rigid(initial_pose))
@@ -134,7 +136,21 @@ def from_hair_frame(message: animation_pb2.HairFrame, decoder: FrameDecoder) -> 
         newest_pose_time_s=message.newest_pose_time_s,
         step_ms=message.step_ms,
         repaired_guides=message.repaired_guides,
+        diagnostics=_diagnostics(message),
         angles=angles,
+    )
+
+
+def _diagnostics(message: animation_pb2.HairFrame) -> Diagnostics | None:
+    if not message.HasField("diagnostics"):
+        return None
+    sent = message.diagnostics
+    return Diagnostics(
+        sent.kinetic_energy_j,
+        sent.elastic_energy_j,
+        sent.gravity_energy_j,
+        sent.largest_angle_rad,
+        sent.imbalance,
     )
 
 

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "rod/kernels.h"
+#include "simd/isa.h"
+
+namespace mane::head {
+
+/// The kernels that this machine runs fastest, or MANE_ISA asks for.
+[[nodiscard]] inline const rod::KernelTable<float>& Kernels() {
+  static const rod::KernelTable<float>& kernels = rod::KernelsFor<float>(simd::Best());
+  return kernels;
+}
+
+}  // namespace mane::head

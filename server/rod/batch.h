@@ -1,0 +1,122 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "math/rigid.h"
+#include "rod/batch_layout.h"
+#include "rod/kernels.h"
+#include "rod/step.h"
+#include "rod/strand.h"
+
+namespace mane::rod {
+
+/// One number of each strand of a block, aligned for every kernel.
+template <typename T>
+struct alignas(64) Row {
+  T lane[layout::kLanes];
+};
+
+/// A strand and the frame of its root in the head it grows on.
+struct RootedStrand {
+  const Strand* strand;
+  math::Pose root;
+};
+
+/// Strands packed into blocks of equal element number for the batched step (rod.md, Batch), with
+/// their constants. Immutable; what moves is a separate array of `state_rows()` rows.
+///
+/// T is float where speed counts, double where tests compare with step.h.
+template <typename T>
+class Batch {
+ public:
+  /// Up to kLanes strands of equal N. Lanes past `count` repeat the last strand, and count for
+  /// nothing.
+  struct Block {
+    int elements;
+    int count;
+    std::array<int, layout::kLanes> strands;  ///< Index of each lane's strand.
+    size_t constants;                         ///< First row in the constants.
+    size_t state;                             ///< First row in a state.
+  };
+
+  Batch() = default;
+  /// Strands are grouped by N, then by how far they wind within an element.
+  explicit Batch(std::span<const RootedStrand> strands);
+
+  [[nodiscard]] std::span<const Block> blocks() const { return blocks_; }
+  [[nodiscard]] size_t state_rows() const { return state_rows_; }
+  [[nodiscard]] int strand_count() const { return static_cast<int>(places_.size()); }
+
+  /// Writes angles [rad] (N), rates [rad/s] (N) and velocities at Gauss points, world [m/s]
+  /// (N x kGaussPoints), into all lanes of a strand.
+  void SetStrand(int strand, const StrandState& value, std::span<Row<T>> state) const;
+  /// Reads them back.
+  void GetStrand(int strand, std::span<const Row<T>> state, StrandState value) const;
+  /// Only the angles [rad], (N).
+  void GetAngles(int strand, std::span<const Row<T>> state, std::span<Eigen::Vector3d> theta) const;
+
+  /// Turns all velocities by `turn`.
+  void RotateVelocities(const Eigen::Matrix3d& turn, std::span<Row<T>> state) const;
+
+  /// The constants of a block.
+  [[nodiscard]] const T* constants(const Block& block) const {
+    return constants_[block.constants].lane;
+  }
+
+ private:
+  struct Place {
+    int block;
+    int lane;
+  };
+  // Calls visit(lane) for every lane that holds a strand.
+  template <typename Visit>
+  void ForLanes(const Place& place, const Visit& visit) const;
+  void SetConstants(const Block& block, int lane, const RootedStrand& strand);
+  [[nodiscard]] T Constant(const Block& block, int row, int lane) const {
+    return constants_[block.constants + row].lane[lane];
+  }
+
+  std::vector<Block> blocks_;
+  std::vector<Place> places_;  // By strand: where it lies first.
+  std::vector<Row<T>> constants_;
+  size_t state_rows_ = 0;
+};
+
+/// Head and air over one step, for lanes [first, last).
+template <typename T>
+void SetDrive(const ClampMotion& head, const Surroundings& air, int first, int last,
+              std::span<Row<T>, layout::kDriveRows> drive);
+
+/// The head's pose under which positions are wanted, for lanes [first, last).
+template <typename T>
+void SetPose(const math::Pose& head, int first, int last,
+             std::span<Row<T>, layout::kPoseRows> pose);
+
+/// One worker's memory for steps; grows to the longest strand it has seen and is reused.
+class BatchScratch {
+ public:
+  /// `bytes` of memory aligned to 64.
+  void* Reserve(size_t bytes);
+
+ private:
+  std::vector<Row<float>> rows_;
+};
+
+/// Advances one block by one step, as Step does each of its strands; allocates only while `scratch`
+/// grows.
+///
+/// @param state  that of the whole batch, (state_rows).
+/// @return bit i is set where lane i is not finite; its state must then be set anew.
+template <typename T>
+[[nodiscard]] uint32_t StepBlock(const KernelTable<T>& kernels, const Batch<T>& batch,
+                                 const typename Batch<T>::Block& block,
+                                 std::span<const Row<T>, layout::kDriveRows> drive,
+                                 std::span<Row<T>> state, BatchScratch& scratch);
+
+}  // namespace mane::rod

@@ -1,0 +1,64 @@
+#pragma once
+
+/// How a block of strands lies in memory for the batched kernels: rows of kLanes numbers, one lane
+/// per strand, the same for every instruction set. All strands of a block have the same number of
+/// elements. Lengths are in units of the strand's mean element length l0 = L / N and masses in
+/// rho S l0, which keeps float32 in range; times in seconds, angles in radians (rod.md, Batch).
+namespace mane::rod::layout {
+
+/// Strands in a block; every kernel's width divides it.
+inline constexpr int kLanes = 16;
+
+/// Gauss points per element, as gauss.h.
+inline constexpr int kPoints = 4;
+
+/// Rows of a block's constants.
+enum Constant : int {
+  kRootFrame = 0,                      ///< Columns n0, n1, n2 of the root frame in the head's (9).
+  kRootPosition = kRootFrame + 9,      ///< Root in the head's frame [m] (3).
+  kUnit = kRootPosition + 3,           ///< l0 [m].
+  kInverseUnit,                        ///< 1 / l0 [1/m].
+  kDrag,                               ///< nu / (rho S) [1/s].
+  kFriction,                           ///< gamma / (rho S l0^4) [1/s].
+  kStiffness,                          ///< (EI)_i / (rho S l0^4) [1/s^2] (3).
+  kFirstElement = kStiffness + 3,      ///< Then each element:
+  kLength = 0,                         ///< l_Q / l0.
+  kInverseLength,                      ///< l0 / l_Q.
+  kNatural,                            ///< Natural angles [rad] (3).
+  kConstantsPerElement = kNatural + 3  ///< Rows of an element.
+};
+
+/// Rows of an element's state; a block's state is N of them.
+enum State : int {
+  kAngles = 0,               ///< theta [rad] (3).
+  kRates = kAngles + 3,      ///< d theta/dt over the last step [rad/s] (3).
+  kVelocities = kRates + 3,  ///< At the Gauss points, world [l0/s] (kPoints x 3).
+  kStatePerElement = kVelocities + 3 * kPoints  ///< Rows of an element.
+};
+
+/// Rows of what drives a step, lane by lane, so that strands of different heads may share a block.
+enum Drive : int {
+  kMiddleFrame = 0,             ///< Head's rotation at kTheta of the way, columns (9).
+  kSpread = kMiddleFrame + 9,   ///< Change of the head's rotation matrix over dt [1/s] (9).
+  kHeadVelocity = kSpread + 9,  ///< Head's displacement over dt [m/s] (3).
+  kSpin = kHeadVelocity + 3,    ///< Head's turn over dt, world [rad/s] (3).
+  kGravity = kSpin + 3,         ///< World [m/s^2] (3).
+  kWind = kGravity + 3,         ///< Air velocity, world [m/s] (3).
+  kDuration = kWind + 3,        ///< dt [s].
+  kFrictionScale,               ///< Factor on internal friction.
+  kDragScale,                   ///< Factor on air drag.
+  kDriveRows                    ///< Rows in all.
+};
+
+/// Rows of the pose under which positions are asked for, lane by lane.
+enum Pose : int {
+  kPoseFrame = 0,                  ///< Head's rotation, columns (9).
+  kPosePosition = kPoseFrame + 9,  ///< Head's position [m] (3).
+  kPoseRows = kPosePosition + 3    ///< Rows in all.
+};
+
+/// Numbers of a block of strands with N elements.
+constexpr int ConstantsSize(int N) { return (kFirstElement + N * kConstantsPerElement) * kLanes; }
+constexpr int StateSize(int N) { return N * kStatePerElement * kLanes; }
+
+}  // namespace mane::rod::layout

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <span>
+#include <vector>
+
+#include "rod/batch.h"
+#include "rod/test_strands.h"
+
+/// Packed strands that the tests of this folder share.
+namespace mane::rod::fixtures {
+
+/// Strands with their roots and states, packed and stepped together.
+template <typename T>
+class Packed {
+ public:
+  void Add(const Strand& strand, const math::Pose& root, const State& state) {
+    strands_.push_back(strand);
+    roots_.push_back(root);
+    starts_.push_back(state);
+  }
+
+  /// Packs what was added, and puts all strands to their states.
+  void Pack() {
+    std::vector<RootedStrand> rooted;
+    for (int i = 0; i < size(); ++i) rooted.push_back({&strands_[i], roots_[i]});
+    batch_ = Batch<T>(rooted);
+    state_.resize(batch_.state_rows());
+    for (int i = 0; i < size(); ++i) batch_.SetStrand(i, starts_[i].View(), state_);
+  }
+
+  /// One step of all blocks; the failed lanes of all of them, joined.
+  uint32_t Step(const KernelTable<T>& kernels, const ClampMotion& head, const Surroundings& air) {
+    std::array<Row<T>, layout::kDriveRows> drive;
+    SetDrive<T>(head, air, 0, layout::kLanes, drive);
+    return StepWith(kernels, drive);
+  }
+  uint32_t StepWith(const KernelTable<T>& kernels,
+                    std::span<const Row<T>, layout::kDriveRows> drive) {
+    uint32_t failed = 0;
+    for (const auto& block : batch_.blocks()) {
+      failed |= StepBlock<T>(kernels, batch_, block, drive, state_, scratch_);
+    }
+    return failed;
+  }
+
+  [[nodiscard]] State Get(int i) const {
+    State state = starts_[i];
+    batch_.GetStrand(i, state_, state.View());
+    return state;
+  }
+
+  [[nodiscard]] int size() const { return static_cast<int>(strands_.size()); }
+  [[nodiscard]] const Strand& strand(int i) const { return strands_[i]; }
+  [[nodiscard]] const math::Pose& root(int i) const { return roots_[i]; }
+  [[nodiscard]] const State& start(int i) const { return starts_[i]; }
+  [[nodiscard]] const Batch<T>& batch() const { return batch_; }
+  [[nodiscard]] std::span<Row<T>> state() { return state_; }
+
+ private:
+  std::deque<Strand> strands_;
+  std::vector<math::Pose> roots_;
+  std::vector<State> starts_;
+  Batch<T> batch_;
+  std::vector<Row<T>> state_;
+  BatchScratch scratch_;
+};
+
+}  // namespace mane::rod::fixtures

@@ -1,0 +1,40 @@
+"""Measures the batched Super-Helix step on one core of this machine.
+
+Prints a table, and as the last line one JSON object: microseconds a strand-step of the kernel at
+N = 5 and 10 elements for the fastest instruction set and for each; AVX2 over AVX-512; the
+double-precision reference over the fastest; a whole head step (pose in, 16 positions a guide out)
+over the kernel alone, for 100 and 1000 guides; bytes of a strand; the largest relative distance of
+the cost from a straight line over N = 5 to 40; the cost of a strand among 100,000 over one among
+1,000. tests/bench/run builds what it needs.
+"""
+
+import argparse
+import json
+import subprocess
+from pathlib import Path
+
+PROGRAM = Path(__file__).resolve().parents[2] / "build" / "bench" / "tests" / "bench" / "rod_speed"
+
+
+def main() -> None:
+    argparse.ArgumentParser(
+        prog="tests/bench/run rod",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    ).parse_args()
+    output = subprocess.run([PROGRAM], check=True, capture_output=True, text=True).stdout
+    result = json.loads(output)
+
+    print("us a strand-step         N = 5    N = 10")
+    for isa, times in result["us_per_strand_step_by_isa"].items():
+        print(f"  {isa:<20}{times['5']:>9.3f}{times['10']:>10.3f}")
+    reference = result["reference_us"]
+    print(f"  {'reference (double)':<20}{reference['5']:>9.3f}{reference['10']:>10.3f}")
+    print("by elements:  " + "  ".join(f"{n}: {t:.3f}" for n, t in result["us_by_elements"].items()))
+    print("by strands:   " + "  ".join(f"{n}: {t:.3f}" for n, t in result["us_by_strands"].items()))
+    print(f"a head step over the kernel: {result['head_step_over_kernel']}")
+    print(json.dumps(result))
+
+
+if __name__ == "__main__":
+    main()
