@@ -92,7 +92,7 @@ TEST(CoilElementTest, AgreesWithRk4) {
     for (int i = 0; i < points; ++i) {
       mean += PointOnCoil(axis, (i + 0.5) / points, Vector3d::Zero()).p / points;
     }
-    EXPECT_LT((CentreOfCoil(axis).c - mean).norm(), 1e-6);
+    EXPECT_LT((EndOfCoil(axis).c - mean).norm(), 1e-6);
   }
 }
 
@@ -122,8 +122,8 @@ TEST(CoilElementTest, DerivativesAgreeWithFiniteDifferences) {
       const CoilAxis high = AxisOfElement(coil, kLength, x + h * Vector4d::Unit(i));
       EXPECT_LT((axis.dbeta.col(i) - (high.beta - low.beta) / (2 * h)).norm(), tolerance);
       EXPECT_NEAR(axis.dstretch[i], (high.stretch - low.stretch) / (2 * h), tolerance);
-      const Vector3d G = (CentreOfCoil(high).c - CentreOfCoil(low).c) / (2 * h);
-      EXPECT_LT((CentreOfCoil(axis).G.col(i) - G).norm(), tolerance);
+      const Vector3d G = (EndOfCoil(high).c - EndOfCoil(low).c) / (2 * h);
+      EXPECT_LT((EndOfCoil(axis).G.col(i) - G).norm(), tolerance);
       for (const double s : {0.3, 1.0}) {
         const CoilPoint point = PointOnCoil(axis, s, offset);
         const CoilPoint a = PointOnCoil(low, s, offset), b = PointOnCoil(high, s, offset);
