@@ -184,10 +184,10 @@ struct Recorded {
   Shape shape;
 };
 const Recorded kRecorded[] = {
-    {0.2, true, {0, {0, 0, 0}}},
-    {0.2, false, {0, {0, 0, 0}}},
-    {0.3, true, {0, {0, 0, 0}}},
-    {0.3, false, {0, {0, 0, 0}}},
+    {0.2, true, {0.847152, {0.001117, -0.847152, -0.000658}}},
+    {0.2, false, {0.817151, {0.075276, -0.817132, -0.000169}}},
+    {0.3, true, {0.847361, {0.000876, -0.847361, -0.000876}}},
+    {0.3, false, {0.831286, {0.040173, -0.831286, -0.000553}}},
 };
 
 TEST(WoundAccuracyTest, LongFuzzyRestsAsTheRecordedStrand) {
