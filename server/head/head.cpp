@@ -16,6 +16,13 @@ namespace {
 using Eigen::Vector3d;
 using Drive = std::array<rod::Row<float>, rod::layout::kDriveRows>;
 
+// What drives all blocks in a step, and where and when it is linearised.
+struct StepDrive {
+  Drive rows;
+  double time;
+  math::Pose head;
+};
+
 // Blocks advanced in one piece by one worker: a piece takes longer than handing it over.
 constexpr int kBlocksPerPiece = 4;
 // Steps that a piece makes at a time, whose drives are at hand together.
@@ -30,27 +37,57 @@ void PutToRest(const groom::Groom& groom, int guide, HeadState* state) {
 }
 
 // Steps [begin, end) of `steps` equal ones along `movement`, which starts at `from`.
-void SetDrives(const math::Pose& from, const Movement& movement, int steps, int begin, int end,
-               const Environment& environment, std::vector<Drive>* drives) {
+void SetDrives(const HeadState& from, const Movement& movement, int steps, int begin, int end,
+               const Environment& environment, const WindField& wind,
+               std::vector<StepDrive>* drives) {
   drives->resize(kStepsAtOnce);
   const auto pose = [&](int i) {
-    return i == steps ? movement.target
-                      : math::Interpolate(from, movement.target, static_cast<double>(i) / steps);
+    return i == steps
+               ? movement.target
+               : math::Interpolate(from.pose, movement.target, static_cast<double>(i) / steps);
   };
   for (int i = begin; i < end; ++i) {
-    const rod::ClampMotion motion{pose(i), pose(i + 1), movement.duration / steps};
-    rod::SetDrive<float>(motion, environment, 0, rod::layout::kLanes, (*drives)[i - begin]);
+    StepDrive& drive = (*drives)[i - begin];
+    const double dt = movement.duration / steps;
+    const rod::ClampMotion motion{pose(i), pose(i + 1), dt};
+    drive.time = from.time + (i + rod::kTheta) * dt;
+    drive.head = math::Interpolate(motion.begin, motion.end, rod::kTheta);
+    rod::Surroundings air = environment;
+    air.wind = wind.Mean(drive.time);
+    rod::SetDrive<float>(motion, air, 0, rod::layout::kLanes, drive.rows);
   }
+}
+
+// The eddies at the roots of a block.
+void SetEddies(const groom::Groom& groom, const rod::Batch<float>::Block& block,
+               const StepDrive& drive, const WindField& wind, Drive* rows) {
+  const float* const constants =
+      groom.batch.constants(block) + rod::layout::kRootPosition * rod::layout::kLanes;
+  const Eigen::Matrix3f R = drive.head.q.toRotationMatrix().cast<float>();
+  std::array<rod::Row<float>, 3> roots;
+  for (int lane = 0; lane < rod::layout::kLanes; ++lane) {
+    const Eigen::Vector3f root =
+        R * Eigen::Vector3f(constants[lane], constants[rod::layout::kLanes + lane],
+                            constants[2 * rod::layout::kLanes + lane]);
+    for (int i = 0; i < 3; ++i) roots[i].lane[lane] = root[i];
+  }
+  wind.Evaluate(drive.time, drive.head.p, roots, std::span(*rows).subspan<rod::layout::kWind, 3>());
 }
 
 // All given steps of one block. Returns how many strands had to be put to rest.
 int AdvanceBlock(const groom::Groom& groom, const rod::Batch<float>::Block& block,
-                 std::span<const Drive> drives, HeadState* state) {
+                 std::span<const StepDrive> drives, const WindField& wind, HeadState* state) {
   thread_local rod::BatchScratch scratch;
+  Drive windy;
   int repaired = 0;
-  for (const Drive& drive : drives) {
-    uint32_t failed =
-        rod::StepBlock<float>(Kernels(), groom.batch, block, drive, state->guides, scratch);
+  for (const StepDrive& drive : drives) {
+    if (wind.turbulent()) {
+      windy = drive.rows;
+      SetEddies(groom, block, drive, wind, &windy);
+    }
+    const uint32_t failed =
+        rod::StepBlock<float>(Kernels(), groom.batch, block, wind.turbulent() ? windy : drive.rows,
+                              state->guides, scratch);
     for (int lane = 0; failed != 0 && lane < block.count; ++lane) {
       if ((failed >> lane & 1) == 0) continue;
       PutToRest(groom, block.strands[lane], state);
@@ -76,7 +113,11 @@ HeadState AtRest(const groom::Groom& groom, const math::Pose& pose) {
   return state;
 }
 
-void Reset(const groom::Groom& groom, HeadState* state) { *state = AtRest(groom, state->pose); }
+void Reset(const groom::Groom& groom, HeadState* state) {
+  const double time = state->time;
+  *state = AtRest(groom, state->pose);
+  state->time = time;
+}
 
 std::vector<Vector3d> Angles(const groom::Groom& groom, const HeadState& state) {
   std::vector<Vector3d> theta(groom.element_count());
@@ -97,20 +138,23 @@ StepReport Advance(const groom::Groom& groom, const Movement& movement,
                    const Environment& environment, HeadState* state, exec::WorkerPool& pool) {
   MANE_CHECK(movement.duration > 0 && movement.substeps >= 1);
   MANE_CHECK(state->guides.size() == groom.batch.state_rows());
-  thread_local std::vector<Drive> own_drives;
-  std::vector<Drive>& drives = own_drives;
+  thread_local std::vector<StepDrive> own_drives;
+  std::vector<StepDrive>& drives = own_drives;
+  const WindField wind(environment.wind, environment.wind_variation);
   const int steps = StepCount(movement);
   const auto blocks = groom.batch.blocks();
   std::atomic<int> repaired = 0;
   for (int begin = 0; begin < steps; begin += kStepsAtOnce) {
     const int end = std::min(steps, begin + kStepsAtOnce);
-    SetDrives(state->pose, movement, steps, begin, end, environment, &drives);
-    const std::span<const Drive> now = std::span(drives).first(end - begin);
+    SetDrives(*state, movement, steps, begin, end, environment, wind, &drives);
+    const std::span<const StepDrive> now = std::span(drives).first(end - begin);
     pool.ParallelFor(static_cast<int>(blocks.size()), kBlocksPerPiece, [&](int first, int last) {
-      for (int i = first; i < last; ++i) repaired += AdvanceBlock(groom, blocks[i], now, state);
+      for (int i = first; i < last; ++i)
+        repaired += AdvanceBlock(groom, blocks[i], now, wind, state);
     });
   }
   state->pose = movement.target;
+  state->time += movement.duration;
   return {repaired};
 }
 

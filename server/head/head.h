@@ -6,17 +6,22 @@
 
 #include "exec/worker_pool.h"
 #include "groom/groom.h"
+#include "head/wind.h"
 #include "math/rigid.h"
 #include "rod/batch.h"
 #include "rod/step.h"
 
 namespace mane::head {
 
-/// What surrounds a head: gravity, wind and factors on the guides' damping.
-using Environment = rod::Surroundings;
+/// What surrounds a head: gravity, mean wind and factors on the guides' damping, and how the wind
+/// varies.
+struct Environment : rod::Surroundings {
+  WindVariation wind_variation;
+};
 
 /// Every mutable number of one animated head. One owner at a time; copy it to keep a checkpoint.
 struct HeadState {
+  double time = 0;                      ///< Simulated so far [s]; what the wind varies by.
   math::Pose pose;                      ///< head -> world: where the roots are clamped.
   std::vector<rod::Row<float>> guides;  ///< As Groom::batch packs them, (state_rows).
 };

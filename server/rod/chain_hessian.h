@@ -23,7 +23,7 @@ struct LoadedElement {
   double mass;              // Of the element,
   double mass_beyond;       // and of all beyond it [kg].
   Eigen::Vector3d gravity;  // In the element's left frame.
-  Eigen::Vector3d center;   // Centre of mass of what is beyond, from the right end in its frame [m].
+  Eigen::Vector3d center;  // Centre of mass of what is beyond, from the right end in its frame [m].
 
   // Generalized load of gravity `g` as a matrix on it: load = B g, both in the left frame.
   template <class End>
@@ -47,8 +47,8 @@ struct LoadedElement {
 };
 
 /// Second derivative of the energy, (nN x nN). Turning all beyond element P by omega is, for an
-/// element Q beyond it, turning gravity by -omega; so the block (Q, P) is -B_Q [g] W_P with the load
-/// matrix B_Q and W_P = domega/dx_P (rod.md, Statics).
+/// element Q beyond it, turning gravity by -omega; so the block (Q, P) is -B_Q [g] W_P with the
+/// load matrix B_Q and W_P = domega/dx_P (rod.md, Statics).
 ///
 /// @param kind  End(Q, x) of an element as helix.h's ElementEnd, Stiffness(Q) its (n x n) K.
 /// @param root  left frame of the first element.

@@ -154,7 +154,8 @@ TEST(CoilElementTest, TheHairKeepsItsLength) {
       const double phase = 1.1 + axis.winding * s;
       const Vector3d tangent = PointOnCoil(axis, s, Vector3d::Zero()).E * CoilTangent(axis, phase);
       EXPECT_NEAR(tangent.norm(), 1, 1e-14);
-      EXPECT_LT(((HairOnCoil(axis, 1.1, s + h) - HairOnCoil(axis, 1.1, s - h)) / (2 * h) - tangent).norm(),
+      EXPECT_LT(((HairOnCoil(axis, 1.1, s + h) - HairOnCoil(axis, 1.1, s - h)) / (2 * h) - tangent)
+                    .norm(),
                 1e-8);
     }
   }

@@ -12,7 +12,7 @@
 #include "rod/step.h"
 #include "rod/strand.h"
 
-/// S2 to S7 of rod.md for a chain of elements of n unknowns each: 3 where the strand itself is a
+/// S2 to S9 of rod.md for a chain of elements of n unknowns each: 3 where the strand itself is a
 /// Super-Helix (step.cpp), 4 where its coil's axis is one (wound.cpp). Once an element is
 /// linearised, which is up to its kind, they differ in n alone. Internal to this folder.
 namespace mane::rod::recursion {
@@ -101,6 +101,39 @@ void AddElasticity(const LinearElement<n>& element, const Coefficients& c, Cost<
   cost->gv.noalias() -= c.h * element.K * element.strain;
 }
 
+// The convex part of the quadratic form (w.D) |x|^2 - (w.x)(D.x): how much higher a weight w hangs
+// that is turned by the rotation vector x at the end of an arm D (S9).
+inline Matrix3d TurningStiffness(const Vector3d& w, const Vector3d& D) {
+  const double size = w.norm() * D.norm();
+  if (size == 0) return Matrix3d::Zero();
+  const Vector3d a = w.normalized(), b = D.normalized();
+  const double cosine = a.dot(b);
+  const Matrix3d across = (a - b) * (a - b).transpose();
+  if (cosine <= 0) return size * (1 + cosine) / (4 - 4 * cosine) * across;
+  const Matrix3d along = (a + b) * (a + b).transpose();
+  return size * (cosine * (Matrix3d::Identity() - along / (2 + 2 * cosine)) + across / 4);
+}
+
+// Turning stiffness of `weight`, h (g + drag of the air that passes), and extrapolated spins at the
+// right ends of all elements. `omega` is the root's spin.
+template <int n>
+void AddWeights(std::span<LinearElement<n>> elements, double h, const Vector3d& weight,
+                Vector3d omega, std::span<const Eigen::Matrix<double, n, 1>> rate) {
+  const int N = static_cast<int>(elements.size());
+  for (int Q = 0; Q < N; ++Q) {
+    omega += elements[Q].S.template bottomRows<3>() * rate[Q];
+    elements[Q].spin = omega;
+  }
+  double beyond = 0;
+  Vector3d next = Vector3d::Zero();  // Arm of the element beyond.
+  for (int Q = N - 1; Q >= 0; --Q) {
+    const Vector3d arm = beyond * elements[Q].d + elements[Q].mass * elements[Q].c;
+    elements[Q].weight = h * TurningStiffness(weight, 0.5 * (arm + next));
+    next = arm;
+    beyond += elements[Q].mass;
+  }
+}
+
 // Adds the cost beyond the right end, whose twist is X V + S v with X = (I, -[d]; 0, I).
 template <int n>
 void AddBeyond(const LinearElement<n>& element, const CostToGo& beyond, Cost<n>* cost) {
@@ -127,7 +160,7 @@ CostToGo Eliminate(const Cost<n>& cost, LinearElement<n>* element) {
   return left;
 }
 
-/// S5 to S7 tip to root, then S4 root to tip, where the root's twist V is known, so that all
+/// S9, S5 to S7 tip to root, then S4 root to tip, where the root's twist V is known, so that all
 /// others are.
 ///
 /// @param elements  linearised at the extrapolated unknowns, root first.
@@ -139,12 +172,15 @@ bool Advance(std::span<LinearElement<n>> elements, const Coefficients& c, double
              std::span<Eigen::Matrix<double, n, 1>> x, std::span<Eigen::Matrix<double, n, 1>> rate,
              std::span<Vector3d> velocity) {
   const int N = static_cast<int>(elements.size());
+  AddWeights<n>(elements, c.h, c.body - (c.inertia - 1) * V.head<3>(), V.tail<3>(), rate);
   CostToGo beyond;
   for (int Q = N - 1; Q >= 0; --Q) {
     Cost<n> cost;
     AddInertia(elements[Q], c.inertia, &velocity[Q * kGaussPoints], &cost);
     AddBodyForce(elements[Q], c.body, &cost);
     AddElasticity(elements[Q], c, &cost);
+    beyond.A.bottomRightCorner<3, 3>() += elements[Q].weight;
+    beyond.b.tail<3>() += elements[Q].weight * elements[Q].spin;
     AddBeyond(elements[Q], beyond, &cost);
     beyond = Eliminate(cost, &elements[Q]);
   }

@@ -52,7 +52,10 @@ double PredictedChange(const Strand& strand, const math::Pose& clamp, const Surr
   const oracle::Vector3 body = (air.gravity + nu / strand.linear_density * air.wind).cast<Real>();
   const oracle::Vector weight =
       rod.Gradient(frame, oracle::Vector3::Zero(), ahead) - rod.Gradient(frame, body, ahead);
-  return change + static_cast<double>(dt * weight.dot(oracle::Stack(after.rate)));
+  const oracle::Vector v = oracle::Stack(after.rate), last = oracle::Stack(before.rate);
+  const Real h = kTheta * dt;
+  const Real turning = dt * h * v.dot(rod.Turning(frame, body, ahead) * (v - last));
+  return change + static_cast<double>(dt * weight.dot(v) - turning);
 }
 
 TEST(StepEnergyTest, ChangesByTheLawOfTheScheme) {

@@ -18,7 +18,8 @@ inline math::Pose Shake(int i, double dt) {  // 4 Hz, 10 cm to either side.
   return {{0.1 * std::sin(2 * M_PI * 4 * i * dt), 0, 0}, Eigen::Quaterniond::Identity()};
 }
 
-inline math::Pose SnapTurn(int i, double dt) {  // Ninety degrees in 0.2 s to and fro, 10 cm off the axis.
+inline math::Pose SnapTurn(int i,
+                           double dt) {  // Ninety degrees in 0.2 s to and fro, 10 cm off the axis.
   const double phase = std::fmod(i * dt, 0.8);
   const double part = phase < 0.2   ? phase / 0.2
                       : phase < 0.4 ? 1
@@ -28,7 +29,8 @@ inline math::Pose SnapTurn(int i, double dt) {  // Ninety degrees in 0.2 s to an
   return {q * Eigen::Vector3d(0.1, 0, 0), q};
 }
 
-inline math::Pose Teleport(int i, double) {  // A metre and any turn within one step, each half second.
+inline math::Pose Teleport(int i,
+                           double) {  // A metre and any turn within one step, each half second.
   Random random(i / 15);
   return {random.Direction(), random.Rotation()};
 }

@@ -199,6 +199,49 @@ Vector Rod::Natural() const {
   return natural;
 }
 
+Matrix Rod::Turning(const Frame& clamp, const Vector3& w, const Vector& theta) const {
+  const int N = elements();
+  const Real e = 1e-3L;
+  const auto frame = [&](const Vector& at, int Q, Real u) { return At(clamp, at, Q, u); };
+  // Arms: an element carries itself and all beyond it.
+  std::vector<Vector3> arm(N + 1, Vector3::Zero());
+  Real beyond = 0;
+  for (int Q = N - 1; Q >= 0; --Q) {
+    const Vector3 left = frame(theta, Q, 0).r;
+    const Rule& fine = GaussRule(24);
+    for (size_t g = 0; g < fine.nodes.size(); ++g) {
+      arm[Q] += strand_.linear_density * length(Q) * fine.weights[g] *
+                (frame(theta, Q, fine.nodes[g]).r - left);
+    }
+    arm[Q] += beyond * (frame(theta, Q, 1).r - left);
+    beyond += strand_.linear_density * length(Q);
+  }
+  Matrix form = Matrix::Zero(theta.size(), theta.size());
+  for (int Q = 0; Q < N; ++Q) {
+    const Vector3 D = (arm[Q] + arm[Q + 1]) / 2;
+    const Matrix3 product = (w * D.transpose() + D * w.transpose()) / 2;
+    const Eigen::SelfAdjointEigenSolver<Matrix3> solver(w.dot(D) * Matrix3::Identity() - product);
+    const Matrix3 convex = solver.eigenvectors() *
+                           solver.eigenvalues().cwiseMax(Real(0)).asDiagonal() *
+                           solver.eigenvectors().transpose();
+    // Rotation of the right end per rate.
+    Matrix3X turn(3, theta.size());
+    const Matrix3 at = frame(theta, Q, 1).n;
+    for (int i = 0; i < theta.size(); ++i) {
+      // Fourth order differences of the rotation away from `at`.
+      const auto away = [&](Real step) -> Vector3 {
+        Vector moved = theta;
+        moved[i] += step;
+        const Matrix3 R = frame(moved, Q, 1).n * at.transpose();
+        return Vector3(R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1)) / 2;
+      };
+      turn.col(i) = (8 * (away(e) - away(-e)) - (away(2 * e) - away(-2 * e))) / (12 * e);
+    }
+    form += turn.transpose() * convex * turn;
+  }
+  return form;
+}
+
 void DenseStep(const Strand& strand, const ClampMotion& clamp, const Surroundings& surroundings,
                StrandState state) {
   const Rod rod(strand);
@@ -230,6 +273,9 @@ void DenseStep(const Strand& strand, const ClampMotion& clamp, const Surrounding
   }
   const Vector3 body = air.gravity + c * air.wind;
   b -= h * (rod.Gradient(root, body, ahead) - rod.Gradient(root, Vector3::Zero(), ahead));
+  const Matrix turning = h * h * rod.Turning(root, body - c * velocity, ahead);
+  H += turning;
+  b += turning * rate;
   const Vector v = H.ldlt().solve(b);
 
   // (S4).

@@ -69,6 +69,9 @@ class Rod {
   [[nodiscard]] Real Gravity(const Frame& clamp, const Vector3& g, const Vector& theta) const;
   /// Gradient of their sum, fourth order differences.
   [[nodiscard]] Vector Gradient(const Frame& clamp, const Vector3& g, const Vector& theta) const;
+  /// (S9) for the weight `w` [N/kg] at the right ends of all elements, as a quadratic form over
+  /// rates.
+  [[nodiscard]] Matrix Turning(const Frame& clamp, const Vector3& w, const Vector& theta) const;
   /// Diagonal of K in angles, (EI)_i / l, and gamma / l.
   [[nodiscard]] Vector Stiffness() const;
   [[nodiscard]] Vector Friction() const;

@@ -54,7 +54,8 @@ struct WoundOwned {
         rate(x),
         velocity(wound.elements() * kGaussPoints, Eigen::Vector3d::Zero()) {}
   /// Any unknowns up to `angle` [rad], any rates [rad/s], any velocities [m/s].
-  WoundOwned(const WoundStrand& wound, Random& random, double angle, double speed, double velocities)
+  WoundOwned(const WoundStrand& wound, Random& random, double angle, double speed,
+             double velocities)
       : WoundOwned(wound) {
     for (Vector4d& v : x) v << random.Vector(angle), random.Uniform(-angle, angle);
     for (Vector4d& v : rate) v << random.Vector(speed), random.Uniform(-speed, speed);

@@ -72,9 +72,8 @@ Matrix3X WoundRod::Beads(const Frame& clamp, const Vector& x) const {
 std::vector<Matrix3X> WoundRod::Jacobians(const Frame& clamp, const Vector& x) const {
   std::vector<Matrix3X> J(elements() * kGaussPoints, Matrix3X(3, x.size()));
   for (int i = 0; i < x.size(); ++i) {
-    const Matrix3X d = Difference([&](Real by) -> Matrix3X {
-      return Beads(clamp, x + by * Vector::Unit(x.size(), i));
-    });
+    const Matrix3X d = Difference(
+        [&](Real by) -> Matrix3X { return Beads(clamp, x + by * Vector::Unit(x.size(), i)); });
     for (size_t k = 0; k < J.size(); ++k) J[k].col(i) = d.col(k);
   }
   return J;
@@ -139,6 +138,54 @@ Vector WoundRod::GravityGradient(const Frame& clamp, const Vector3& g, const Vec
   return gradient;
 }
 
+Matrix WoundRod::Turning(const Frame& clamp, const Vector3& w, const Vector& x) const {
+  const int N = elements();
+  const Rule& rule = GaussRule(24);
+  // Axis frames at joints when `x` moves.
+  const auto joints = [&](const Vector& at) {
+    std::vector<Frame> frames = {AxisRoot(clamp)};
+    for (int Q = 0; Q < N; ++Q) frames.push_back(Along(frames[Q], at, Q, 1));
+    return frames;
+  };
+  const std::vector<Frame> frames = joints(x);
+  // Arms: an element carries itself and all beyond it.
+  std::vector<Vector3> arm(N + 1, Vector3::Zero());
+  Real beyond = 0;
+  for (int Q = N - 1; Q >= 0; --Q) {
+    const Real mass = strand_.linear_density * strand_.length[Q];
+    for (size_t k = 0; k < rule.nodes.size(); ++k) {
+      arm[Q] += mass * rule.weights[k] * (Along(frames[Q], x, Q, rule.nodes[k]).r - frames[Q].r);
+    }
+    arm[Q] += beyond * (frames[Q + 1].r - frames[Q].r);
+    beyond += mass;
+  }
+  // Rotations of the right ends per rate.
+  std::vector<Matrix3X> turns(N, Matrix3X(3, x.size()));
+  for (int i = 0; i < x.size(); ++i) {
+    const Matrix3X d = Difference([&](Real by) {
+      const std::vector<Frame> moved = joints(x + by * Vector::Unit(x.size(), i));
+      Matrix3X away(3, N);
+      for (int Q = 0; Q < N; ++Q) {
+        const Matrix3 R = moved[Q + 1].n * frames[Q + 1].n.transpose();
+        away.col(Q) << R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1);
+      }
+      return Matrix3X(away / 2);
+    });
+    for (int Q = 0; Q < N; ++Q) turns[Q].col(i) = d.col(Q);
+  }
+  Matrix form = Matrix::Zero(x.size(), x.size());
+  for (int Q = 0; Q < N; ++Q) {
+    const Vector3 D = (arm[Q] + arm[Q + 1]) / 2;
+    const Matrix3 product = (w * D.transpose() + D * w.transpose()) / 2;
+    const Eigen::SelfAdjointEigenSolver<Matrix3> solver(w.dot(D) * Matrix3::Identity() - product);
+    const Matrix3 convex = solver.eigenvectors() *
+                           solver.eigenvalues().cwiseMax(Real(0)).asDiagonal() *
+                           solver.eigenvectors().transpose();
+    form += turns[Q].transpose() * convex * turns[Q];
+  }
+  return form;
+}
+
 void DenseStep(const Strand& strand, const ClampMotion& clamp, const Surroundings& air,
                WoundState state) {
   const WoundRod rod(strand);
@@ -172,6 +219,10 @@ void DenseStep(const Strand& strand, const ClampMotion& clamp, const Surrounding
     H += (1 + h * c) * masses[k] * J[k].transpose() * J[k];
     b += masses[k] * J[k].transpose() * (state.velocity[k].cast<Real>() - (1 + h * c) * base[k]);
   }
+  const Vector3 passing = velocity + spin.cross(rod.AxisRoot(root).r - root.r);
+  const Matrix turning = h * h * rod.Turning(root, body - c * passing, ahead);
+  H += turning;
+  b += turning * rate;
   const Vector v = H.ldlt().solve(b);
   for (size_t k = 0; k < J.size(); ++k) {
     const Vector3 u = state.velocity[k].cast<Real>(), ahead_u = base[k] + J[k] * v;

@@ -28,10 +28,14 @@ class WoundRod {
   /// -int rho S g.r ds along the axis, 48 points an element, and its gradient.
   [[nodiscard]] Real Gravity(const Frame& clamp, const Vector3& g, const Vector& x) const;
   [[nodiscard]] Vector GravityGradient(const Frame& clamp, const Vector3& g, const Vector& x) const;
+  /// (S9) for the weight `w` [N/kg] at the right ends of all elements, as a quadratic form over
+  /// rates.
+  [[nodiscard]] Matrix Turning(const Frame& clamp, const Vector3& w, const Vector& x) const;
+  /// Where the axis starts.
+  [[nodiscard]] Frame AxisRoot(const Frame& clamp) const;
 
  private:
-  // Axis frame at the root, and on along element Q.
-  [[nodiscard]] Frame AxisRoot(const Frame& clamp) const;
+  // Axis frame on along element Q.
   [[nodiscard]] Frame Along(const Frame& left, const Vector& x, int Q, Real u) const;
 
   const Strand& strand_;
@@ -41,7 +45,8 @@ class WoundRod {
 
 [[nodiscard]] Vector Stack(const std::vector<Vector4d>& vectors);
 
-/// One step of rod.md (S2) to (S4) with coil.md's kinematics, assembled densely; advances `state`.
+/// One step of rod.md (S2) to (S4), (S9) with coil.md's kinematics, assembled densely; advances
+/// `state`.
 void DenseStep(const Strand& strand, const ClampMotion& clamp, const Surroundings& air,
                WoundState state);
 

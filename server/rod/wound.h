@@ -15,8 +15,8 @@ namespace mane::rod {
 /// natural curvatures differ from element to element or have no bend: no one coil describes those.
 [[nodiscard]] double NaturalTurns(const Strand& strand);
 
-/// Whether a strand is better modelled along its coil's axis (coil.md, Which strands): it winds more
-/// often than its elements can follow, and often enough that a coil's ends matter little.
+/// Whether a strand is better modelled along its coil's axis (coil.md, Which strands): it winds
+/// more often than its elements can follow, and often enough that a coil's ends matter little.
 [[nodiscard]] bool IsWound(const Strand& strand);
 
 /// Constant description of a wound strand: a strand of one natural curvature, and its coil.

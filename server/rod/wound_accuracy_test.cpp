@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "rod/chain.h"
 #include "rod/test_wound.h"
@@ -40,6 +41,13 @@ Strand Resolved(const Hair& hair, double length, int per_turn) {
   return fixtures::MakeStrand(hair, length, static_cast<int>(std::ceil(per_turn * turns)));
 }
 
+// For the table of coil.md: --gtest_output=json shows the last value of a key.
+void Record(const Hair& hair, double length, int N, const char* what, double value) {
+  testing::Test::RecordProperty(
+      hair.name + std::to_string(length).substr(0, 3) + "_" + std::to_string(N) + "_" + what,
+      std::to_string(100 * value) + " %");
+}
+
 TEST(WoundAccuracyTest, NaturalShapeIsThePlainHelix) {
   Random random(8);
   for (const Hair& hair : {Curly(), Fuzzy()}) {
@@ -49,8 +57,7 @@ TEST(WoundAccuracyTest, NaturalShapeIsThePlainHelix) {
     const WoundOwned state(wound);
     const std::vector<WoundFrame> frames = WoundFrames(wound, clamp, state.x);
     for (double s = 0; s <= 0.2; s += 0.003) {
-      const Vector3d r =
-          PointAt(wound.strand, clamp, plain.theta, Locate(wound.strand, s)).r;
+      const Vector3d r = PointAt(wound.strand, clamp, plain.theta, Locate(wound.strand, s)).r;
       EXPECT_LT((PointOnHair(wound, frames, state.x, s) - r).norm(), 1e-12);
     }
     // The axis stays in the middle of the hair.
@@ -151,7 +158,8 @@ void ExpectAccurate(const Hair& hair, double length, const math::Pose& clamp,
     const Shape mine = WoundShape(fixtures::MakeGraded(hair, length, N), clamp);
     const double extent = std::abs(mine.extent - converged.extent);
     const double tip = (mine.tip - converged.tip).norm();
-    std::printf("%s %.1f N=%d extent %.2f %% tip %.2f %%\n", hair.name.c_str(), length, N, 100 * extent, 100 * tip);
+    Record(hair, length, N, "extent", extent);
+    Record(hair, length, N, "tip", tip);
     EXPECT_LT(extent, 0.02);
     EXPECT_LT(tip, 0.05);
   }
@@ -261,18 +269,18 @@ TEST(WoundAccuracyTest, ShakenHairFollowsTheResolvedStrand) {
     double length, seconds;
     int per_turn;
   };
-  for (const Case& c : {Case{Curly(), 0.2, 1.5, 12}, Case{Curly(), 0.3, 1.5, 12},
-                        Case{Fuzzy(), 0.1, 0.8, 8}}) {
+  for (const Case& c :
+       {Case{Curly(), 0.2, 1.5, 12}, Case{Curly(), 0.3, 1.5, 12}, Case{Fuzzy(), 0.1, 0.8, 8}}) {
     SCOPED_TRACE(testing::Message() << c.hair.name << " L=" << c.length);
     const math::Pose clamp = Rolled(c.hair, false, 0);
     const Tips resolved = ShakePlain(Resolved(c.hair, c.length, c.per_turn), clamp, c.seconds);
     for (const int N : {5, 10}) {
       const Tips mine = ShakeWound(fixtures::MakeGraded(c.hair, c.length, N), clamp, c.seconds);
-      std::printf("%s %.1f N=%d rms %.2f %%\n", c.hair.name.c_str(), c.length, N, 100 * Rms(mine, resolved));
+      Record(c.hair, c.length, N, "shaken", Rms(mine, resolved));
       EXPECT_LT(Rms(mine, resolved), 0.04) << N;
     }
     const Tips plain = ShakePlain(fixtures::MakeStrand(c.hair, c.length, 10), clamp, c.seconds);
-    std::printf("   plain 10: rms %.2f %%\n", 100 * Rms(plain, resolved));
+    Record(c.hair, c.length, 10, "shaken_plain", Rms(plain, resolved));
     EXPECT_GT(Rms(plain, resolved), 0.06);  // What a plain strand of N = 10 does.
   }
 }

@@ -44,6 +44,8 @@ double PredictedChange(const WoundStrand& wound, const math::Pose& clamp, const 
   }
   const oracle::Vector3 body = (air.gravity + drag * air.wind).cast<oracle::Real>();
   change -= dt * v.dot(rod.GravityGradient(oracle::ToFrame(clamp), body, ahead));
+  const oracle::Vector last = oracle::Stack(before.rate);
+  change -= dt * kTheta * dt * v.dot(rod.Turning(oracle::ToFrame(clamp), body, ahead) * (v - last));
   return static_cast<double>(change);
 }
 
@@ -177,8 +179,7 @@ TEST_P(WoundBoundedTest, UndampedSpinsAtATenthOfASecond) {
 }
 
 TEST_P(WoundBoundedTest, CalmsDownAfterTheStorm) {
-  const WoundStrand wound =
-      fixtures::MakeGraded(fixtures::AppendixB()[GetParam()], 0.2, 5);
+  const WoundStrand wound = fixtures::MakeGraded(fixtures::AppendixB()[GetParam()], 0.2, 5);
   WoundOwned state(wound);
   WoundScratch scratch;
   const double dt = 1.0 / 30;

@@ -18,8 +18,8 @@ struct WoundFrame {
   double phase;          ///< omega times arc length from the root [rad].
 };
 
-/// Frames of all element ends, root first, tip last, (N + 1). The hair starts at the clamp point and
-/// the axis off it (C10); the hair is laid element after element, without gaps (C9).
+/// Frames of all element ends, root first, tip last, (N + 1). The hair starts at the clamp point
+/// and the axis off it (C10); the hair is laid element after element, without gaps (C9).
 [[nodiscard]] std::vector<WoundFrame> WoundFrames(const WoundStrand& wound, const math::Pose& clamp,
                                                   std::span<const Vector4d> x);
 

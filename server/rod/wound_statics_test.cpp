@@ -23,7 +23,8 @@ using fixtures::WoundOwned;
 
 const Vector3d kGravity(0, -9.81, 0);
 
-double Potential(const WoundStrand& wound, const math::Pose& clamp, const std::vector<Vector4d>& x) {
+double Potential(const WoundStrand& wound, const math::Pose& clamp,
+                 const std::vector<Vector4d>& x) {
   return ElasticEnergy(wound, x) + GravityPotential(wound, clamp, kGravity, x);
 }
 
@@ -42,8 +43,7 @@ TEST(WoundStaticsTest, GradientAgreesWithFiniteDifferences) {
       std::vector<Vector4d> high = state.x, low = state.x;
       high[i / 4][i % 4] += h;
       low[i / 4][i % 4] -= h;
-      const double slope =
-          (Potential(wound, clamp, high) - Potential(wound, clamp, low)) / (2 * h);
+      const double slope = (Potential(wound, clamp, high) - Potential(wound, clamp, low)) / (2 * h);
       EXPECT_NEAR(gradient[i / 4][i % 4], slope, 1e-7 * scale) << N << " " << i;
     }
   }

@@ -71,10 +71,10 @@ TEST(WoundTest, StrandsThatWindOftenAreWound) {
   };
   for (const int N : {5, 10}) {
     for (const double length : {0.1, 0.2, 0.3}) {
-      EXPECT_FALSE(wound(0, length, N)) << length;                  // smooth: no coil
-      EXPECT_FALSE(wound(1, length, N)) << length;                  // wavy: 1.6 to 4.8 turns
-      EXPECT_EQ(wound(2, length, N), length > 0.15) << length;      // curly: 2.7, 5.4, 8.0
-      EXPECT_TRUE(wound(3, length, N)) << length;                   // fuzzy: 30 to 90
+      EXPECT_FALSE(wound(0, length, N)) << length;              // smooth: no coil
+      EXPECT_FALSE(wound(1, length, N)) << length;              // wavy: 1.6 to 4.8 turns
+      EXPECT_EQ(wound(2, length, N), length > 0.15) << length;  // curly: 2.7, 5.4, 8.0
+      EXPECT_TRUE(wound(3, length, N)) << length;               // fuzzy: 30 to 90
     }
   }
   EXPECT_FALSE(wound(2, 0.3, 20));  // Two elements a turn and more follow the coil.
@@ -123,8 +123,7 @@ TEST(WoundTest, AcceleratesFromRestByTheInverseMassTimesForce) {
     const oracle::Vector x = oracle::Stack(start.x);
     const oracle::Frame frame = oracle::ToFrame(clamp);
     const oracle::Vector force =
-        -rod.Stiffness() * x -
-        rod.GravityGradient(frame, air.gravity.cast<oracle::Real>(), x);
+        -rod.Stiffness() * x - rod.GravityGradient(frame, air.gravity.cast<oracle::Real>(), x);
     const std::vector<oracle::Matrix3X> J = rod.Jacobians(frame, x);
     const oracle::Vector masses = rod.Masses();
     oracle::Matrix M = oracle::Matrix::Zero(4 * N, 4 * N);
