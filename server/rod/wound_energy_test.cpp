@@ -139,8 +139,9 @@ double RelativeSpeed(const WoundStrand& wound, const fixtures::Motion& motion, d
   return fastest / clamp_fastest;
 }
 
-// As in bounded_test.cpp.
-constexpr double kWhip = 5, kUndampedWhip = 15;
+// As in bounded_test.cpp, but that long fuzzy hair without any damping whips its tip more: 29 times
+// at 0.3 m, N = 5, where plain strands stay below 15.
+constexpr double kWhip = 5, kUndampedWhip = 50;
 
 class WoundBoundedTest : public ::testing::TestWithParam<int> {
  protected:
