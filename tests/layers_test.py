@@ -62,7 +62,7 @@ LIBRARIES = {
     "toml++": ("toml++/",),
     "gtest": ("gtest/", "gmock/"),
     "xxhash": ("xxhash.h",),
-    "intrinsics": ("immintrin.h",),
+    "intrinsics": ("arm_neon.h", "immintrin.h"),
     "posix": (
         *("sys/", "netinet/", "arpa/"),
         *("fcntl.h", "poll.h", "pthread.h", "signal.h", "spawn.h", "stdlib.h", "unistd.h"),

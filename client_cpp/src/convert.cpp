@@ -80,6 +80,11 @@ v1::Environment ToProto(const Environment& environment) {
     out.set_internal_friction_scale(*environment.internal_friction_scale);
   }
   if (environment.air_drag_scale) out.set_air_drag_scale(*environment.air_drag_scale);
+  if (environment.gust_strength) out.set_gust_strength(*environment.gust_strength);
+  if (environment.gust_period_s) out.set_gust_period_s(*environment.gust_period_s);
+  if (environment.turbulence_speed) out.set_turbulence_speed(*environment.turbulence_speed);
+  if (environment.turbulence_size_m) out.set_turbulence_size_m(*environment.turbulence_size_m);
+  if (environment.wind_seed) out.set_wind_seed(*environment.wind_seed);
   return out;
 }
 
@@ -133,6 +138,11 @@ void Merge(const Environment& change, Environment& environment) {
     environment.internal_friction_scale = change.internal_friction_scale;
   }
   if (change.air_drag_scale) environment.air_drag_scale = change.air_drag_scale;
+  if (change.gust_strength) environment.gust_strength = change.gust_strength;
+  if (change.gust_period_s) environment.gust_period_s = change.gust_period_s;
+  if (change.turbulence_speed) environment.turbulence_speed = change.turbulence_speed;
+  if (change.turbulence_size_m) environment.turbulence_size_m = change.turbulence_size_m;
+  if (change.wind_seed) environment.wind_seed = change.wind_seed;
 }
 
 }  // namespace mane::inline client

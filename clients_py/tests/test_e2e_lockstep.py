@@ -29,6 +29,21 @@ def in_head_frame(frame: mane.Frame) -> np.ndarray:
     return relative @ Rotation.from_quat(pose.orientation).as_matrix()
 
 
+def test_wind_gusts_and_eddies_by_its_seed(client, groom):
+    def blown(**variation) -> np.ndarray:
+        wind = mane.Environment(wind_velocity=(3, 0, 0), **variation)
+        return stacked(play(client, groom, shake(), environment=wind))
+
+    calm = blown()
+    eddies = {"turbulence_speed": 3, "turbulence_size_m": 0.1, "wind_seed": 5}
+    assert np.abs(blown(**eddies) - calm).max() > 1e-4
+    np.testing.assert_array_equal(blown(**eddies), blown(**eddies))
+    assert np.abs(blown(**eddies | {"wind_seed": 6}) - blown(**eddies)).max() > 1e-5
+    assert np.abs(blown(gust_strength=0.5, gust_period_s=0.2) - calm).max() > 1e-4
+    with pytest.raises(mane.InvalidArgument, match="turbulence_size_m"):
+        blown(turbulence_size_m=0)
+
+
 def test_diagnostics_come_where_they_are_asked_for(client, groom):
     silent = play(client, groom, shake())
     assert all(frame.diagnostics is None for frame in silent)

@@ -52,7 +52,7 @@ void SetDrives(const HeadState& from, const Movement& movement, int steps, int b
     const rod::ClampMotion motion{pose(i), pose(i + 1), dt};
     drive.time = from.time + (i + rod::kTheta) * dt;
     drive.head = math::Interpolate(motion.begin, motion.end, rod::kTheta);
-    rod::Surroundings air = environment;
+    Environment air = environment;
     air.wind = wind.Mean(drive.time);
     rod::SetDrive<float>(motion, air, 0, rod::layout::kLanes, drive.rows);
   }
@@ -102,7 +102,7 @@ int AdvanceBlock(const groom::Groom& groom, const rod::Batch<float>::Block& bloc
 int StepCount(const Movement& movement) {
   // The tolerance keeps a duration of one longest step, rounded up, whole.
   const double longest = std::ceil(movement.duration / kLongestStep - 1e-6);
-  return movement.substeps * std::max(1, static_cast<int>(longest));
+  return std::max(movement.substeps, static_cast<int>(longest));
 }
 
 HeadState AtRest(const groom::Groom& groom, const math::Pose& pose) {
@@ -138,6 +138,9 @@ StepReport Advance(const groom::Groom& groom, const Movement& movement,
                    const Environment& environment, HeadState* state, exec::WorkerPool& pool) {
   MANE_CHECK(movement.duration > 0 && movement.substeps >= 1);
   MANE_CHECK(state->guides.size() == groom.batch.state_rows());
+  if ((movement.target.p - state->pose.p).norm() > kFastestHead * movement.duration) {
+    Teleport(groom, movement.target, state);
+  }
   thread_local std::vector<StepDrive> own_drives;
   std::vector<StepDrive>& drives = own_drives;
   const WindField wind(environment.wind, environment.wind_variation);

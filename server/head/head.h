@@ -39,8 +39,9 @@ void Reset(const groom::Groom& groom, HeadState* state);
 /// Moves head and hair together as one rigid body: shapes stay, velocities turn along.
 void Teleport(const groom::Groom& groom, const math::Pose& pose, HeadState* state);
 
-/// No time step is longer than this [s].
-inline constexpr double kLongestStep = 0.1;
+/// No time step is longer than this [s]: what hair of half a metre needs to hang still (rod.md, S9,
+/// S10).
+inline constexpr double kLongestStep = 1.0 / 60;
 
 /// One movement of the head: to `target` within `duration` [s] > 0 at constant velocity, in
 /// `substeps` >= 1 equal time steps; more of them where they would be longer than kLongestStep.
@@ -49,6 +50,9 @@ struct Movement {
   double duration;
   int substeps;
 };
+
+/// A head that moves faster [m/s] has been cut to another place: it is teleported there.
+inline constexpr double kFastestHead = 300;
 
 /// Time steps that a movement takes.
 [[nodiscard]] int StepCount(const Movement& movement);

@@ -115,26 +115,38 @@ TEST(HeadTest, SubstepsAreShorterMovements) {
   exec::WorkerPool pool(1);
   const math::Pose from = Shaken(0), to = Shaken(0.03);
   HeadState once = AtRest(*groom, from), twice = once;
-  Advance(*groom, {to, 0.04, 2}, {}, &once, pool);
-  Advance(*groom, {math::Interpolate(from, to, 0.5), 0.02, 1}, {}, &twice, pool);
-  Advance(*groom, {to, 0.02, 1}, {}, &twice, pool);
+  Advance(*groom, {to, 0.03, 2}, {}, &once, pool);
+  Advance(*groom, {math::Interpolate(from, to, 0.5), 0.015, 1}, {}, &twice, pool);
+  Advance(*groom, {to, 0.015, 1}, {}, &twice, pool);
   EXPECT_LT(Farthest(Angles(*groom, once), Angles(*groom, twice)), 1e-12);
 }
 
-TEST(HeadTest, LongMovementsAreCutIntoStepsOfATenthOfASecond) {
+TEST(HeadTest, LongMovementsAreCutIntoStepsOfASixtiethOfASecond) {
   const auto groom = SampleGroom(6, 5);
   exec::WorkerPool pool(1);
   const math::Pose from = Shaken(0), to = Shaken(0.5);
   HeadState whole = AtRest(*groom, from), cut = whole;
   Advance(*groom, {to, 0.3, 1}, {}, &whole, pool);
-  Advance(*groom, {to, 0.3, 3}, {}, &cut, pool);
-  // 0.3 s is three longest steps, and asking for three changes them to nine.
+  Advance(*groom, {to, 0.3, 54}, {}, &cut, pool);
+  // 0.3 s is eighteen longest steps, and asking for three times as many makes them shorter.
   HeadState thrice = AtRest(*groom, from);
   for (int i = 1; i <= 3; ++i) {
     Advance(*groom, {math::Interpolate(from, to, i / 3.0), 0.1, 1}, {}, &thrice, pool);
   }
   EXPECT_LT(Farthest(Angles(*groom, whole), Angles(*groom, thrice)), 1e-12);
   EXPECT_GT(Farthest(Angles(*groom, cut), Angles(*groom, thrice)), 1e-6);
+}
+
+TEST(HeadTest, AJumpFasterThanAnyHeadIsATeleport) {
+  const auto groom = SampleGroom(16, 5);
+  exec::WorkerPool pool(1);
+  const HeadState rest = AtRest(*groom, {});
+  HeadState jumped = rest, still = rest;
+  const math::Pose far{{1e6, -1e6, 1e5}, Eigen::Quaterniond::Identity()};
+  EXPECT_EQ(Advance(*groom, {far, 1 / 60.0, 1}, {}, &jumped, pool).repaired_guides, 0);
+  Advance(*groom, {{}, 1 / 60.0, 1}, {}, &still, pool);
+  EXPECT_EQ(jumped.pose.p, far.p);
+  EXPECT_LT(Farthest(Angles(*groom, jumped), Angles(*groom, still)), 1e-6);
 }
 
 TEST(HeadTest, NeitherOriginNorHeadingOfTheWorldMatters) {

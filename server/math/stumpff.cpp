@@ -46,4 +46,16 @@ Stumpff StumpffC(double z) {
   return c;
 }
 
+StumpffTail StumpffCTail(const Stumpff& c, double z) {
+  if (z > kSeriesLimit) return {(1.0 / 120 - c[5]) / z, (1.0 / 720 - c[6]) / z};
+  // Horner from the tenth term, which is 4^9 7! / 25! < 1e-16 of the first.
+  constexpr int kTailTerms = 10;
+  double c7 = 1, c8 = 1;
+  for (int k = kTailTerms - 1; k > 0; --k) {
+    c7 = 1 - z * c7 * (1.0 / ((6 + 2 * k) * (7 + 2 * k)));
+    c8 = 1 - z * c8 * (1.0 / ((7 + 2 * k) * (8 + 2 * k)));
+  }
+  return {c7 / 5040, c8 / 40320};
+}
+
 }  // namespace mane::math

@@ -17,4 +17,19 @@ using Stumpff = std::array<double, 7>;
   return n * c[n + 2] - c[n + 1];
 }
 
+/// c_7 and c_8 at `z` >= 0, which second derivatives need; `c` is StumpffC(z). To 1e-13 of each.
+struct StumpffTail {
+  double c7;
+  double c8;
+};
+[[nodiscard]] StumpffTail StumpffCTail(const Stumpff& c, double z);
+
+/// Four times the second derivative, 4 d^2c_n/dz^2 = n (n + 2) c_{n+4} - (2n + 1) c_{n+3} +
+/// c_{n+2}, for n <= 4.
+[[nodiscard]] inline double FourTimesSecondDerivative(const Stumpff& c, const StumpffTail& tail,
+                                                      int n) {
+  const auto at = [&](int m) { return m == 8 ? tail.c8 : m == 7 ? tail.c7 : c[m]; };
+  return n * (n + 2) * at(n + 4) - (2 * n + 1) * at(n + 3) + at(n + 2);
+}
+
 }  // namespace mane::math

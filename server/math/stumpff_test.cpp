@@ -4,6 +4,7 @@
 //   recurrence   c_n = 1/n! - z c_{n+2}
 //   derivative   2 dc_n/dz agrees with finite differences of the oracle
 //   switch       the two evaluations meet
+//   tail         c7 and c8 agree with the oracle, 4 d^2c_n/dz^2 with its second differences
 
 #include "math/stumpff.h"
 
@@ -127,6 +128,36 @@ TEST(StumpffTest, EvaluationsMeetAtTheSwitch) {
   const Stumpff below = StumpffC(switch_at), above = StumpffC(std::nextafter(switch_at, 5.0));
   for (int n = 0; n < 7; ++n) {
     EXPECT_NEAR(below[n], above[n], 2 * Tolerance(n, switch_at)) << "n=" << n;
+  }
+}
+
+TEST(StumpffTest, TailAgreesWithTheOracle) {
+  for (double z = 0; z < 3000; z = 1.07 * z + 0.01) {
+    const StumpffTail tail = StumpffCTail(StumpffC(z), z);
+    // Beyond the switch c_n inherits the error of c_{n-2} times n (n - 1) / z.
+    const auto oracle = [&](int n) {
+      const long double inverse_factorial = 1 / Factorial(n - 2);
+      return z <= 30 ? DefiningSeries(n, z) : (inverse_factorial - Oracle(n - 2, z)) / z;
+    };
+    EXPECT_NEAR(tail.c7 * 5040, static_cast<double>(oracle(7) * 5040), 1e-13) << "z=" << z;
+    EXPECT_NEAR(tail.c8 * 40320, static_cast<double>(oracle(8) * 40320), 1e-13) << "z=" << z;
+  }
+}
+
+TEST(StumpffTest, SecondDerivativeAgreesWithFiniteDifferences) {
+  for (double z = 0.01; z < 3000; z = 1.11 * z + 0.01) {
+    const Stumpff c = StumpffC(z);
+    const StumpffTail tail = StumpffCTail(c, z);
+    // Fourth order second differences of functions that vary on the scale 1 of x = sqrt(z): h =
+    // 1e-2 max(1, x) errs by 1e-8 / 90 and rounds by 1e-19 / 1e-4, against 1/n!.
+    const long double h = std::min<long double>(1e-2L * std::max(1.0, std::sqrt(z)), z / 4);
+    for (int n = 0; n <= 4; ++n) {
+      const auto f = [&](int i) { return Oracle(n, static_cast<long double>(z) + i * h); };
+      const long double second = (16 * (f(1) + f(-1)) - (f(2) + f(-2)) - 30 * f(0)) / (12 * h * h);
+      EXPECT_NEAR(FourTimesSecondDerivative(c, tail, n), static_cast<double>(4 * second),
+                  1e-8 / static_cast<double>(Factorial(n)))
+          << "n=" << n << " z=" << z;
+    }
   }
 }
 

@@ -16,6 +16,9 @@ using layout::kLanes;
 
 static_assert(layout::kPoints == kGaussPoints);
 
+// Beyond it [rad], a strand's angles no longer mean anything in float32.
+constexpr double kLargestAngle = 1e6;
+
 // How many times the argument of the Stumpff functions is halved for a strand's most wound element
 // in its natural shape: strands alike in that share a block, so that few lanes wait for others.
 int WindingClass(const Strand& strand) {
@@ -201,12 +204,12 @@ uint32_t StepBlock(const KernelTable<T>& kernels, const Batch<T>& batch,
                    std::span<const Row<T>, layout::kDriveRows> drive, std::span<Row<T>> state,
                    BatchScratch& scratch) {
   const int N = block.elements;
-  Row<T> finite;
+  Row<T> size;
   kernels.step(N, batch.constants(block), drive[0].lane, state[block.state].lane,
-               scratch.Reserve(static_cast<size_t>(N) * kernels.scratch_per_element), finite.lane);
+               scratch.Reserve(static_cast<size_t>(N) * kernels.scratch_per_element), size.lane);
   uint32_t failed = 0;
   for (int lane = 0; lane < kLanes; ++lane) {
-    failed |= static_cast<uint32_t>(!std::isfinite(finite.lane[lane])) << lane;
+    failed |= static_cast<uint32_t>(!(size.lane[lane] < kLargestAngle * kLargestAngle)) << lane;
   }
   return failed;
 }

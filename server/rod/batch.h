@@ -112,7 +112,9 @@ class BatchScratch {
 /// grows.
 ///
 /// @param state  that of the whole batch, (state_rows).
-/// @return bit i is set where lane i is not finite; its state must then be set anew.
+/// @return bit i is set where lane i is not finite, or is wound beyond 1e6 rad an element; its
+/// state
+///         must then be set anew.
 template <typename T>
 [[nodiscard]] uint32_t StepBlock(const KernelTable<T>& kernels, const Batch<T>& batch,
                                  const typename Batch<T>::Block& block,

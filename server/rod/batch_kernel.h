@@ -19,6 +19,8 @@ inline constexpr double kNodes[layout::kPoints] = {0.069431844202973712, 0.33000
 inline constexpr double kWeights[layout::kPoints] = {0.17392742256872693, 0.32607257743127307,
                                                      0.32607257743127307, 0.17392742256872693};
 inline constexpr double kTheta = 0.55;
+inline constexpr double kLargestTurn = 1e3;
+inline constexpr double kLeastFriction = 0.5;
 
 /// Stumpff functions at many arguments reduced together: series up to kReduced, then doublings,
 /// each lane as many as its own angle needs, so that no lane depends on its neighbours.
@@ -26,7 +28,8 @@ template <typename T, typename V>
 struct Reduction {
   static constexpr double kReduced = 2.5;
   static constexpr int kMost = 40;  // Angles up to 1e12 rad.
-  V z;                              // |theta|^2 / 4^doublings
+  V zeta;                           // |theta|^2
+  V z;                              // The same over 4^doublings.
   V doublings;                      // Of each lane.
   int most;                         // Of any lane.
 };
@@ -46,6 +49,7 @@ class Kernel {
   struct Element {
     Frame<V> R;            // Left frame at the linearisation.
     Vec th, A;             // theta, theta x d0; B = theta x A = tau theta - zeta d0.
+    Vec spin;              // Right end's extrapolated angular velocity.
     V tau, zeta;           // theta.d0, |theta|^2
     V c2, c3, c4, c5, c6;  // c_n(zeta)
     // At the Gauss points, for an element of length 1; phi1 is the node.
@@ -58,9 +62,9 @@ class Kernel {
   };
 
   /// Advances W strands of N elements; all pointers at the first of their lanes. `scratch` has room
-  /// for N elements. `finite` gets a number per strand that is finite just where the result is.
-  static void Step(int N, const T* constants, const T* drive, T* state, Element* scratch,
-                   T* finite);
+  /// for N elements. `size` gets the largest |theta|^2 of each strand, 1e30
+  /// where its new state is not finite.
+  static void Step(int N, const T* constants, const T* drive, T* state, Element* scratch, T* size);
 
   /// Positions of `points` points at equal arc length, root and tip included, x, y, z of each lane
   /// in turn: (points x 3 x kLanes), world [m].
@@ -73,6 +77,8 @@ class Kernel {
     Symmetric<V> A11, A22;
     Matrix<V> A12;
     Vec b1, b2;
+    V mass;   // Of all of it,
+    Vec arm;  // and its first moment about the left end of its first element.
   };
   // The part of an element's cost that has its rates v: 1/2 v.H v + v.(Hv1 velocity + Hv2 spin) -
   // g.v.
@@ -85,6 +91,8 @@ class Kernel {
   struct Step_ {
     V h, inertia, friction;
     Vec body, stiffness;
+    Vec pull;  // Direction of the weight and of the drag of passing air,
+    V force;   // and h times their size.
   };
 
   static V Row(const T* base, int row) {
@@ -113,17 +121,19 @@ class Kernel {
   // c_n(z) by its power series, for z up to kReduced.
   template <int n>
   static V Power(const V& z);
-  template <bool six>
-  static Stumpff<V> Double(const Stumpff<V>& c, const V& z);
   // The right frame of an element whose left one is R, by local angles (H2).
   static Frame<V> Next(const Frame<V>& R, const Vec& theta, const Stumpff<V>& c);
 
-  static Step_ Prepare(const T* constants, const T* drive);
-  static void Linearise(int N, const Frame<V>& root, const V& h, const T* state, Element* elements);
+  static Step_ Prepare(const T* constants, const T* drive, const Vec& velocity);
+  static void Linearise(int N, const Frame<V>& root, const V& h, const Vec& spin, const T* state,
+                        Element* elements);
   static void AddInertia(const Step_& step, const V& length, const T* state, const Element& element,
                          RateCost& rates, CostToGo& left);
   static void AddElasticity(const Step_& step, const T* constants, const T* state,
                             const Element& element, RateCost& rates);
+  static void AddWeight(const Step_& step, const Element& element, const Vec& arm,
+                        CostToGo& beyond);
+  template <bool tip>
   static void AddBeyond(const V& length, const Element& element, const CostToGo& beyond,
                         RateCost& rates, CostToGo& left);
   static void Eliminate(const RateCost& rates, Element& element, CostToGo& left);
@@ -139,7 +149,7 @@ class Kernel {
 template <typename T, int W>
 [[gnu::always_inline]] inline Reduction<T, typename Kernel<T, W>::V> Kernel<T, W>::Reduce(
     const V& zeta) {
-  Reduction<T, V> r{zeta, V{}, 0};
+  Reduction<T, V> r{zeta, zeta, V{}, 0};
   for (auto large = r.z > T(r.kReduced); r.most < r.kMost && simd::MANE_ISA::Any(large);
        large = r.z > T(r.kReduced), ++r.most) {
     r.z = large ? r.z * T(0.25) : r.z;
@@ -192,45 +202,31 @@ template <bool six>
   return c;
 }
 
-// c_n(4 z) from c_n(z) (rod.md, B2).
-template <typename T, int W>
-template <bool six>
-[[gnu::always_inline]] inline Stumpff<typename Kernel<T, W>::V> Kernel<T, W>::Double(
-    const Stumpff<V>& c, const V& z) {
-  Stumpff<V> d;
-  d.c0 = T(1) - T(2) * z * c.c1 * c.c1;
-  d.c1 = c.c0 * c.c1;
-  d.c2 = T(0.5) * c.c1 * c.c1;
-  d.c3 = T(1.0 / 8) * (c.c0 * c.c3 + c.c1 * c.c2 + c.c2 + c.c3);
-  d.c4 = T(1.0 / 16) * (c.c0 * c.c4 + c.c1 * c.c3 + T(0.5) * c.c2 + c.c3 + c.c4);
-  d.c5 =
-      T(1.0 / 32) * (c.c0 * c.c5 + c.c1 * c.c4 + T(1.0 / 6) * c.c2 + T(0.5) * c.c3 + c.c4 + c.c5);
-  d.c6 = V{};
-  if constexpr (six) {
-    d.c6 = T(1.0 / 64) * (c.c0 * c.c6 + c.c1 * c.c5 + T(1.0 / 24) * c.c2 + T(1.0 / 6) * c.c3 +
-                          T(0.5) * c.c4 + c.c5 + c.c6);
-  }
-  return d;
-}
-
 template <typename T, int W>
 template <bool six, typename S>
 [[gnu::always_inline]] inline Stumpff<typename Kernel<T, W>::V> Kernel<T, W>::Evaluate(
     const Reduction<T, V>& reduction, const S& s) {
-  V z = reduction.z * (s * s);
+  const V whole = reduction.zeta * (s * s);
+  if (reduction.most == 0) return Series<six>(whole);
+  const auto wound = whole > T(reduction.kReduced);
+  V z = wound ? reduction.z * (s * s) : whole;
   Stumpff<V> c = Series<six>(z);
+  // Cosine and sine of the double angle, kept a pair of one: frames stay orthonormal and strands of
+  // their length whatever the angle (rod.md, B2).
   for (int level = reduction.most; level > 0; --level) {
-    const auto wanted = reduction.doublings >= T(level);
-    const Stumpff<V> d = Double<six>(c, z);
+    const auto wanted = wound & (reduction.doublings >= T(level));
+    const V sine2 = z * c.c1 * c.c1, scale = T(1.5) - T(0.5) * (c.c0 * c.c0 + sine2);
+    const V scale2 = scale * scale;
+    c.c1 = wanted ? scale2 * c.c0 * c.c1 : c.c1;
+    c.c0 = wanted ? T(1) - T(2) * scale2 * sine2 : c.c0;
     z = wanted ? z * T(4) : z;
-    c.c0 = wanted ? d.c0 : c.c0;
-    c.c1 = wanted ? d.c1 : c.c1;
-    c.c2 = wanted ? d.c2 : c.c2;
-    c.c3 = wanted ? d.c3 : c.c3;
-    c.c4 = wanted ? d.c4 : c.c4;
-    c.c5 = wanted ? d.c5 : c.c5;
-    if constexpr (six) c.c6 = wanted ? d.c6 : c.c6;
   }
+  const V inverse = T(1) / (wound ? z : All(1));
+  c.c2 = wound ? (T(1) - c.c0) * inverse : c.c2;
+  c.c3 = wound ? (T(1) - c.c1) * inverse : c.c3;
+  c.c4 = wound ? (T(0.5) - c.c2) * inverse : c.c4;
+  c.c5 = wound ? (T(1.0 / 6) - c.c3) * inverse : c.c5;
+  if constexpr (six) c.c6 = wound ? (T(1.0 / 24) - c.c4) * inverse : c.c6;
   return c;
 }
 
@@ -247,23 +243,33 @@ template <typename T, int W>
 }
 
 template <typename T, int W>
-typename Kernel<T, W>::Step_ Kernel<T, W>::Prepare(const T* constants, const T* drive) {
+typename Kernel<T, W>::Step_ Kernel<T, W>::Prepare(const T* constants, const T* drive,
+                                                   const Vec& velocity) {
   const V h = T(kTheta) * Row(drive, layout::kDuration);
   const V drag = Row(drive, layout::kDragScale) * Row(constants, layout::kDrag);
   const Vec weight = Rows(drive, layout::kGravity) + drag * Rows(drive, layout::kWind);
-  return {h, T(1) + h * drag,
+  const Vec body = (h * Row(constants, layout::kInverseUnit)) * weight;
+  const Vec pull = body - (h * drag) * velocity;
+  const V size = simd::MANE_ISA::Sqrt(Dot(pull, pull) + T(1e-30));
+  return {h,
+          T(1) + h * drag,
           h * Row(drive, layout::kFrictionScale) * Row(constants, layout::kFriction),
-          (h * Row(constants, layout::kInverseUnit)) * weight, Rows(constants, layout::kStiffness)};
+          body,
+          Rows(constants, layout::kStiffness),
+          (T(1) / size) * pull,
+          h * size};
 }
 
 // Root to tip: frames and shapes at the extrapolated angles.
 template <typename T, int W>
-void Kernel<T, W>::Linearise(int N, const Frame<V>& root, const V& h, const T* state,
-                             Element* elements) {
+void Kernel<T, W>::Linearise(int N, const Frame<V>& root, const V& h, const Vec& spin,
+                             const T* state, Element* elements) {
   Frame<V> R = root;
+  Vec omega = spin;
   for (int Q = 0; Q < N; ++Q, state += layout::kStatePerElement * layout::kLanes) {
     Element& e = elements[Q];
-    const Vec q = Rows(state, layout::kAngles) + h * Rows(state, layout::kRates);
+    const Vec rate = Rows(state, layout::kRates);
+    const Vec q = Rows(state, layout::kAngles) + h * rate;
     e.R = R;
     e.th = R * q;
     e.A = Cross(e.th, R.n0);
@@ -281,6 +287,9 @@ void Kernel<T, W>::Linearise(int N, const Frame<V>& root, const V& h, const T* s
     }
     const Stumpff<V> c = Evaluate<true>(reduction, T(1));
     e.c2 = c.c2, e.c3 = c.c3, e.c4 = c.c4, e.c5 = c.c5, e.c6 = c.c6;
+    const Vec v = R * rate, turn = Cross(e.th, v);
+    omega += v + c.c2 * turn + c.c3 * Cross(e.th, turn);
+    e.spin = omega;
     R = Next(R, q, c);
   }
 }
@@ -378,36 +387,73 @@ template <typename T, int W>
   const V inverse = Row(constants, layout::kInverseLength);
   const Vec hk = (step.h * inverse) * step.stiffness;
   const Vec force = Times(hk, Rows(state, layout::kAngles) - Rows(constants, layout::kNatural));
-  const Vec k = step.h * hk;
+  const V friction = step.friction * inverse;
+  const auto damped = [&](const V& k) {
+    const V least = T(kLeastFriction) * k;
+    return k + (friction > least ? friction : least);
+  };
+  const Vec stiff = step.h * hk;
+  const Vec k{damped(stiff.x), damped(stiff.y), damped(stiff.z)};
   rates.g -= e.R * force;
   // sum k_i n_i n_i^T, of which k_1 n_1 n_1^T = k_1 (1 - n_0 n_0^T - n_2 n_2^T).
-  const V even = k.y + step.friction * inverse;
+  const V even = k.y;
   rates.H.xx += even, rates.H.yy += even, rates.H.zz += even;
   AddOuter(rates.H, (k.x - k.y) * e.R.n0, e.R.n0);
   AddOuter(rates.H, (k.z - k.y) * e.R.n2, e.R.n2);
 }
 
+// The turning stiffness of weight at the right end (S9).
+template <typename T, int W>
+[[gnu::always_inline]] inline void Kernel<T, W>::AddWeight(const Step_& step, const Element& e,
+                                                           const Vec& arm, CostToGo& beyond) {
+  const V length2 = Dot(arm, arm) + T(1e-30);
+  const V length = simd::MANE_ISA::Sqrt(length2);
+  const Vec b = (T(1) / length) * arm, across = step.pull - b, along = step.pull + b;
+  const V cosine = Dot(step.pull, b), size = step.force * length;
+  const V down = cosine > T(0) ? cosine : V{}, up = cosine > T(0) ? V{} : cosine;
+  const V diagonal = size * down;
+  Symmetric<V> G{diagonal, V{}, V{}, diagonal, V{}, diagonal};
+  AddOuter(G, (-diagonal / (T(2) + T(2) * down)) * along, along);
+  AddOuter(G, (size * (T(1) + up) / (T(4) - T(4) * up)) * across, across);
+  beyond.A22 += G;
+  beyond.b2 += G * e.spin;
+}
+
 // What lies beyond the right end, whose twist is X (velocity; spin) + S v (S6).
 template <typename T, int W>
+template <bool tip>
 [[gnu::always_inline]] inline void Kernel<T, W>::AddBeyond(const V& length, const Element& e,
                                                            const CostToGo& beyond, RateCost& rates,
                                                            CostToGo& left) {
   const Vec d0 = e.R.n0, th = e.th;
-  const V tau = e.tau, phi2 = length * e.c2, phi3 = length * e.c3;
-  const V psi2 = length * (T(2) * e.c4 - e.c3), psi3 = length * (T(3) * e.c5 - e.c4);
-  const Vec d = (length - e.zeta * phi3) * d0 + phi2 * e.A + (tau * phi3) * th;
+  const V tau = e.tau;
   // S = (J; T), column by column (H5, H6).
-  const Vec C = psi2 * e.A + (psi3 * tau) * th - (psi3 * e.zeta + T(2) * phi3) * d0;
-  const Vec f = phi3 * d0, p = phi2 * d0, a = e.c2 * th, b = e.c3 * th;
-  const V diagonal = phi3 * tau, turn = T(1) - e.zeta * e.c3;
-  Vec J[3] = {f.x * th + th.x * C, f.y * th + th.y * C, f.z * th + th.z * C};
-  J[0].x += diagonal, J[0].y -= p.z, J[0].z += p.y;
-  J[1].x += p.z, J[1].y += diagonal, J[1].z -= p.x;
-  J[2].x -= p.y, J[2].y += p.x, J[2].z += diagonal;
+  const Vec a = e.c2 * th, b = e.c3 * th;
+  const V turn = T(1) - e.zeta * e.c3;
   Vec S[3] = {th.x * b, th.y * b, th.z * b};
   S[0].x += turn, S[0].y += a.z, S[0].z -= a.y;
   S[1].x -= a.z, S[1].y += turn, S[1].z += a.x;
   S[2].x += a.y, S[2].y -= a.x, S[2].z += turn;
+  if constexpr (tip) {  // Nothing but the tip's own weight, which only turns.
+    const Vec Q[3] = {beyond.A22 * S[0], beyond.A22 * S[1], beyond.A22 * S[2]};
+    rates.Hv2.x += Q[0], rates.Hv2.y += Q[1], rates.Hv2.z += Q[2];
+    rates.g += Vec{Dot(S[0], beyond.b2), Dot(S[1], beyond.b2), Dot(S[2], beyond.b2)};
+    rates.H.xx += Dot(S[0], Q[0]), rates.H.xy += Dot(S[0], Q[1]), rates.H.xz += Dot(S[0], Q[2]);
+    rates.H.yy += Dot(S[1], Q[1]), rates.H.yz += Dot(S[1], Q[2]), rates.H.zz += Dot(S[2], Q[2]);
+    left.A22 += beyond.A22;
+    left.b2 += beyond.b2;
+    return;
+  }
+  const V phi2 = length * e.c2, phi3 = length * e.c3;
+  const V psi2 = length * (T(2) * e.c4 - e.c3), psi3 = length * (T(3) * e.c5 - e.c4);
+  const Vec d = (length - e.zeta * phi3) * d0 + phi2 * e.A + (tau * phi3) * th;
+  const Vec C = psi2 * e.A + (psi3 * tau) * th - (psi3 * e.zeta + T(2) * phi3) * d0;
+  const Vec f = phi3 * d0, p = phi2 * d0;
+  const V diagonal = phi3 * tau;
+  Vec J[3] = {f.x * th + th.x * C, f.y * th + th.y * C, f.z * th + th.z * C};
+  J[0].x += diagonal, J[0].y -= p.z, J[0].z += p.y;
+  J[1].x += p.z, J[1].y += diagonal, J[1].z -= p.x;
+  J[2].x -= p.y, J[2].y += p.x, J[2].z += diagonal;
 
   Vec P[3], Q[3];  // A S, by columns.
   for (int i = 0; i < 3; ++i) {
@@ -442,7 +488,7 @@ template <typename T, int W>
 template <typename T, int W>
 [[gnu::always_inline]] inline void Kernel<T, W>::Eliminate(const RateCost& rates, Element& e,
                                                            CostToGo& left) {
-  const Factor<V> H(rates.H);
+  const Factor<V> H(rates.H, All(sizeof(T) == 4 ? 1e-6 : 1e-15));
   e.L = H.L;
   // In the factored basis: Z = L^-1 Hv, of which D^-1 Z is kept.
   Matrix<V> Z1 = rates.Hv1, Z2 = rates.Hv2;
@@ -466,7 +512,13 @@ template <typename T, int W>
 [[gnu::always_inline]] inline typename Kernel<T, W>::V Kernel<T, W>::Advance(
     const V& dt, const T* constants, Element& e, Vec& velocity, Vec& spin, T* state) {
   const Vec d0 = e.R.n0;
-  const Vec v = e.L.Backward(e.z - e.Z1 * velocity - e.Z2 * spin);
+  Vec v = e.L.Backward(e.z - e.Z1 * velocity - e.Z2 * spin);
+  const V turned = dt * dt * Dot(v, v);
+  const auto far = turned > T(kLargestTurn * kLargestTurn);
+  if (simd::MANE_ISA::Any(far)) {
+    const V scale = T(kLargestTurn) / simd::MANE_ISA::Sqrt(turned);
+    v = (far ? scale : All(1)) * v;
+  }
   // The field is velocity + phi1 X1 + phi2 X2 + phi3 X3 + psi2 Y2 + psi3 Y3.
   const V length = Row(constants, layout::kLength);
   const Vec lw = length * spin, lv = length * v, B = e.B();
@@ -505,23 +557,35 @@ template <bool tip, bool root>
   CostToGo left{};
   AddInertia(step, length, state, e, rates, left);
   AddElasticity(step, constants, state, e, rates);
-  if constexpr (!tip) AddBeyond(length, e, beyond, rates, left);
+  const Vec B = e.B(), end = e.R.n0 + e.c2 * e.A + e.c3 * B;
+  const Vec centre = All(0.5) * e.R.n0 + e.c3 * e.A + e.c4 * B;
+  if constexpr (tip) beyond = CostToGo{};
+  left.arm = length * (beyond.mass * end + length * centre);
+  left.mass = beyond.mass + length;
+  AddWeight(step, e, All(0.5) * (left.arm + beyond.arm), beyond);
+  AddBeyond<tip>(length, e, beyond, rates, left);
   Eliminate(rates, e, left);
   if constexpr (!root) beyond = left;
 }
 
 template <typename T, int W>
 void Kernel<T, W>::Step(int N, const T* constants, const T* drive, T* state, Element* scratch,
-                        T* finite) {
-  const Step_ step = Prepare(constants, drive);
+                        T* size) {
+  const V inverse_unit = Row(constants, layout::kInverseUnit);
+  Vec velocity =
+      inverse_unit * (Rows(drive, layout::kHeadVelocity) +
+                      FrameRows(drive, layout::kSpread) * Rows(constants, layout::kRootPosition));
+  Vec spin = Rows(drive, layout::kSpin);
+  const Step_ step = Prepare(constants, drive, velocity);
   const Frame<V> middle = FrameRows(drive, layout::kMiddleFrame);
   const Frame<V> root = FrameRows(constants, layout::kRootFrame);
-  Linearise(N, {middle * root.n0, middle * root.n1, middle * root.n2}, step.h, state, scratch);
+  Linearise(N, {middle * root.n0, middle * root.n1, middle * root.n2}, step.h, spin, state,
+            scratch);
 
   constexpr int kConstants = layout::kConstantsPerElement * layout::kLanes;
   constexpr int kState = layout::kStatePerElement * layout::kLanes;
   const T* element_constants = constants + layout::kFirstElement * layout::kLanes;
-  CostToGo beyond;
+  CostToGo beyond{};
   const auto go = [&]<bool tip, bool root>(int Q) __attribute__((always_inline)) {
     GoThrough<tip, root>(step, element_constants + Q * kConstants, state + Q * kState, scratch[Q],
                          beyond);
@@ -534,18 +598,17 @@ void Kernel<T, W>::Step(int N, const T* constants, const T* drive, T* state, Ele
     go.template operator()<false, true>(0);
   }
 
-  const V inverse_unit = Row(constants, layout::kInverseUnit);
-  Vec velocity =
-      inverse_unit * (Rows(drive, layout::kHeadVelocity) +
-                      FrameRows(drive, layout::kSpread) * Rows(constants, layout::kRootPosition));
-  Vec spin = Rows(drive, layout::kSpin);
   const V dt = Row(drive, layout::kDuration);
-  V sum{};
+  V sum{}, largest{};
   for (int Q = 0; Q < N; ++Q) {
     sum += Advance(dt, element_constants + Q * kConstants, scratch[Q], velocity, spin,
                    state + Q * kState);
+    const Vec q = Rows(state + Q * kState, layout::kAngles);
+    const V square = Dot(q, q);
+    largest = square > largest ? square : largest;
   }
-  simd::MANE_ISA::Store(sum, finite);
+  const auto finite = (sum < T(1e30)) & (sum > T(-1e30));
+  simd::MANE_ISA::Store(finite ? largest : All(1e30), size);
 }
 
 template <typename T, int W>

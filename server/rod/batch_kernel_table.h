@@ -9,11 +9,11 @@ namespace mane::rod {
 namespace MANE_ISA {
 
 template <typename T, int W>
-void StepBlock(int N, const T* constants, const T* drive, T* state, void* scratch, T* finite) {
+void StepBlock(int N, const T* constants, const T* drive, T* state, void* scratch, T* size) {
   using K = Kernel<T, W>;
   for (int lane = 0; lane < layout::kLanes; lane += W) {
     K::Step(N, constants + lane, drive + lane, state + lane,
-            static_cast<typename K::Element*>(scratch), finite + lane);
+            static_cast<typename K::Element*>(scratch), size + lane);
   }
 }
 

@@ -206,15 +206,18 @@ struct Factor {
   Vector<V> inverse;  // 1 / D
   Lower<V> L;
 
-  explicit Factor(const Symmetric<V>& A) {
-    const V one = V{} + 1;
-    inverse.x = one / A.xx;
+  /// No pivot is taken below `smallest` of the trace, what rounding leaves of it at best: A is
+  /// positive definite, but need not be so in rounded numbers.
+  Factor(const Symmetric<V>& A, const V& smallest) {
+    const V one = V{} + 1, least = smallest * (A.xx + A.yy + A.zz);
+    const auto pivot = [&](const V& d) { return one / (d > least ? d : least); };
+    inverse.x = pivot(A.xx);
     L.l10 = A.xy * inverse.x;
     L.l20 = A.xz * inverse.x;
     const V t = A.yz - L.l10 * A.xz;
-    inverse.y = one / (A.yy - L.l10 * A.xy);
+    inverse.y = pivot(A.yy - L.l10 * A.xy);
     L.l21 = t * inverse.y;
-    inverse.z = one / (A.zz - L.l20 * A.xz - L.l21 * t);
+    inverse.z = pivot(A.zz - L.l20 * A.xz - L.l21 * t);
   }
 
   /// D^-1 a.

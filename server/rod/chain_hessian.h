@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include <span>
 #include <vector>
@@ -8,96 +9,125 @@
 #include "math/rigid.h"
 #include "rod/strand.h"
 
-/// Second derivative of elastic energy plus weight for a chain of elements of n unknowns each, as
-/// LinearElement of step.h is for motion (rod.md, Statics). Internal to this folder.
 namespace mane::rod {
 
-/// One element under its own weight and that of all beyond it, which hangs on its right end as a
-/// rigid body: what is needed of it does not change with the element's own unknowns.
+/// Energy, gradient and Hessian of elastic energy plus weight at one shape of a chain of elements
+/// of n unknowns each, with the Hessian in O(N) numbers (rod.md, Statics, Q1 to Q4): blocks H_QQ on
+/// the diagonal and H_QP = U_Q V_P^T for P < Q, of rank two. Everything by closed forms, to
+/// rounding. The metric D is the diagonal of the stiffness matrix. PotentialHessian (hessian.h)
+/// evaluates it for plain strands, n = 3, WoundHessian (wound_hessian.h) for wound ones, n = 4.
+///
+/// An object is one thread's; it allocates while it grows to its longest strand.
 template <int n>
-struct LoadedElement {
+class ChainHessian {
+ public:
   using Vector = Eigen::Matrix<double, n, 1>;
   using Matrix = Eigen::Matrix<double, n, n>;
 
-  double l;                 // Length [m].
-  double mass;              // Of the element,
-  double mass_beyond;       // and of all beyond it [kg].
-  Eigen::Vector3d gravity;  // In the element's left frame.
-  Eigen::Vector3d center;  // Centre of mass of what is beyond, from the right end in its frame [m].
+  [[nodiscard]] double energy() const { return energy_; }                       ///< [J]
+  [[nodiscard]] std::span<const Vector> gradient() const { return gradient_; }  ///< [J], (N).
+  /// Diagonal of the stiffness matrix [J], (N).
+  [[nodiscard]] std::span<const Vector> metric() const { return metric_; }
 
-  // Generalized load of gravity `g` as a matrix on it: load = B g, both in the left frame.
-  template <class End>
-  [[nodiscard]] Eigen::Matrix<double, n, 3> Load(const End& end) const {
-    return l * mass * end.G.transpose() +
-           mass_beyond * (l * end.J.transpose() + end.T.transpose() * math::Cross(end.E * center));
-  }
-  // Second derivative of the weight by the element's own unknowns, by central differences of the
-  // load: good to about 1e-9 of it.
-  template <class Kind>
-  [[nodiscard]] Matrix OwnHessian(const Kind& kind, int Q, const Vector& x) const {
-    constexpr double kStep = 1e-5;  // rad
-    Matrix H;
-    for (int i = 0; i < n; ++i) {
-      const Vector step = kStep * Vector::Unit(i);
-      H.col(i) =
-          (Load(kind.End(Q, x - step)) - Load(kind.End(Q, x + step))) * gravity / (2 * kStep);
-    }
-    return 0.5 * (H + H.transpose());
-  }
+  /// The Hessian written out, (nN x nN), for checks.
+  [[nodiscard]] Eigen::MatrixXd Dense() const;
+
+  /// Factorises H + shift D. O(N).
+  /// @return whether that is positive definite; only then may Solve be called.
+  [[nodiscard]] bool Factor(double shift);
+  /// x = (H + shift D)^-1 b, (N). O(N); `b` and `x` may be the same.
+  void Solve(std::span<const Vector> b, std::span<Vector> x) const;
+
+  /// Lowest eigenvalue of H x = lambda D x, to about 1e-9 of 1 + |lambda|, by bisection and inverse
+  /// iteration; where `mode` is not empty, (N), also its x, of largest component 1. Positive for a
+  /// minimum; 1 without weight where the stiffness matrix is diagonal. Overwrites the
+  /// factorisation.
+  double LowestEigenvalue(std::span<Vector> mode);
+
+ protected:
+  /// Evaluates the chain tip to root.
+  ///
+  /// @param root  left frame of the first element. @param gravity  [m/s^2], in the same frame.
+  /// @param ends  of the elements, as helix.h's ElementEnd (N).
+  /// @param kind  Stiffness(Q), (n x n) [J]; Strain(Q), x - x^n; and
+  ///              SecondDerivative(Q, w, u, v, a) by x of w.(u p + v c + E a), a fixed (Q2).
+  template <class End, class Kind>
+  void Assemble(const Strand& strand, const Eigen::Matrix3d& root, const Eigen::Vector3d& gravity,
+                std::span<const End> ends, const Kind& kind);
+
+  double energy_ = 0;
+
+ private:
+  using Matrixn2 = Eigen::Matrix<double, n, 2>;
+  struct Element {
+    Eigen::Matrix3d R;      // Left frame, world.
+    Matrix H;               // Block (Q, Q).
+    Matrixn2 U, V;          // Blocks (Q, P) = U_Q V_P^T.
+    Matrix L;               // Cholesky factor of the pivot,
+    Matrixn2 V_eliminated;  // and V less what earlier elements took.
+  };
+
+  std::vector<Element> elements_;
+  std::vector<Vector> gradient_, metric_;
 };
 
-/// Second derivative of the energy, (nN x nN). Turning all beyond element P by omega is, for an
-/// element Q beyond it, turning gravity by -omega; so the block (Q, P) is -B_Q [g] W_P with the
-/// load matrix B_Q and W_P = domega/dx_P (rod.md, Statics).
-///
-/// @param kind  End(Q, x) of an element as helix.h's ElementEnd, Stiffness(Q) its (n x n) K.
-/// @param root  left frame of the first element.
-template <int n, class Kind>
-Eigen::MatrixXd ChainHessian(const Kind& kind, const Strand& strand, const Eigen::Matrix3d& root,
-                             const Eigen::Vector3d& gravity,
-                             std::span<const Eigen::Matrix<double, n, 1>> x) {
+template <int n>
+template <class End, class Kind>
+void ChainHessian<n>::Assemble(const Strand& strand, const Eigen::Matrix3d& root,
+                               const Eigen::Vector3d& gravity, std::span<const End> ends,
+                               const Kind& kind) {
   using Eigen::Matrix3d;
   using Eigen::Vector3d;
   const int N = strand.elements();
-  std::vector<Matrix3d> R(N + 1);
-  std::vector<Vector3d> r(N + 1);
-  R[0] = root;
-  r[0].setZero();
-  for (int Q = 0; Q < N; ++Q) {
-    const auto end = kind.End(Q, x[Q]);
-    r[Q + 1] = r[Q] + strand.length[Q] * (R[Q] * end.p);
-    R[Q + 1] = R[Q] * end.E;
-  }
+  elements_.resize(N);
+  gradient_.resize(N);
+  metric_.resize(N);
+  // Two world axes across gravity, e1 x e2 along it: |g| (e2 e1^T - e1 e2^T) is [g].
+  const double g = gravity.norm();
+  const Vector3d down = g > 0 ? Vector3d(gravity / g) : Vector3d::UnitX();
+  int least;
+  (void)down.cwiseAbs().minCoeff(&least);
+  const Vector3d e1 = down.cross(Vector3d::Unit(least)).normalized(), e2 = down.cross(e1);
 
-  Eigen::MatrixXd H(n * N, n * N);
-  double mass_beyond = 0;
-  Vector3d moment = Vector3d::Zero();  // Sum of mass times position beyond.
-  std::vector<Eigen::Matrix<double, n, 3>> loads(N);
-  std::vector<Eigen::Matrix<double, 3, n>> turns(N);
-  for (int Q = N - 1; Q >= 0; --Q) {
-    const double l = strand.length[Q], mass = strand.linear_density * l;
-    const auto end = kind.End(Q, x[Q]);
-    const Vector3d arm =
-        mass_beyond > 0 ? Vector3d(moment / mass_beyond - r[Q + 1]) : Vector3d::Zero();
-    const LoadedElement<n> element{l, mass, mass_beyond, R[Q].transpose() * gravity,
-                                   R[Q + 1].transpose() * arm};
-    loads[Q] = element.Load(end) * R[Q].transpose();
-    turns[Q] = R[Q] * end.T;
-    H.template block<n, n>(n * Q, n * Q) =
-        element.OwnHessian(kind, Q, x[Q]) + Eigen::Matrix<double, n, n>(kind.Stiffness(Q));
-    mass_beyond += mass;
-    moment += mass * (r[Q] + l * (R[Q] * end.c));
-  }
-  const Matrix3d gx = math::Cross(gravity);
+  Matrix3d left = root;
   for (int Q = 0; Q < N; ++Q) {
-    const Eigen::Matrix<double, n, 3> load = -loads[Q] * gx;
-    for (int P = 0; P < Q; ++P) {
-      const Eigen::Matrix<double, n, n> block = load * turns[P];
-      H.template block<n, n>(n * Q, n * P) = block;
-      H.template block<n, n>(n * P, n * Q) = block.transpose();
-    }
+    elements_[Q].R = left;
+    left = left * ends[Q].E;
   }
-  return H;
+  energy_ = 0;
+  double mass_beyond = 0;
+  Vector3d moment = Vector3d::Zero();  // Mass times position beyond, from the right end, world.
+  for (int Q = N - 1; Q >= 0; --Q) {
+    Element& element = elements_[Q];
+    const End& end = ends[Q];
+    const Matrix3d& R = element.R;
+    const double l = strand.length[Q], mass = strand.linear_density * l;
+    const Vector3d w = R.transpose() * gravity;
+    const Vector3d beyond = R.transpose() * moment;
+
+    // The load matrix B_Q: what a uniform field does to the element's unknowns.
+    const Eigen::Matrix<double, n, 3> B = l * mass * end.G.transpose() +
+                                          l * mass_beyond * end.J.transpose() +
+                                          end.T.transpose() * math::Cross(beyond);
+    const Matrix K = kind.Stiffness(Q);
+    const Vector strain = kind.Strain(Q), elastic = K * strain;
+    metric_[Q] = K.diagonal();
+    gradient_[Q] = elastic - B * w;
+    energy_ += 0.5 * elastic.dot(strain) - l * w.dot(mass * end.c + mass_beyond * end.p);
+    // What lies beyond is fixed in the right frame.
+    element.H = K - kind.SecondDerivative(Q, w, l * mass_beyond, l * mass,
+                                          Vector3d(end.E.transpose() * beyond));
+    const Eigen::Matrix<double, n, 3> B_world = B * R.transpose();
+    element.U << g * (B_world * e1), -g * (B_world * e2);
+    const Eigen::Matrix<double, 3, n> W = R * end.T;
+    element.V << W.transpose() * e2, W.transpose() * e1;
+
+    moment += R * (l * mass_beyond * end.p + l * mass * end.c);
+    mass_beyond += mass;
+  }
 }
+
+extern template class ChainHessian<3>;
+extern template class ChainHessian<4>;
 
 }  // namespace mane::rod

@@ -16,8 +16,9 @@ struct KernelTable {
   ///
   /// @param drive    (kDriveRows x kLanes)
   /// @param scratch  ScratchSize(N) bytes, aligned to 64.
-  /// @param finite   out: a number per strand, finite just where its new state is.
-  void (*step)(int N, const T* constants, const T* drive, T* state, void* scratch, T* finite);
+  /// @param size     out: largest |theta|^2 of an element of each strand [rad^2]; 1e30 where
+  ///                 the strand's new state is not finite.
+  void (*step)(int N, const T* constants, const T* drive, T* state, void* scratch, T* size);
 
   /// Points at equal arc length, root and tip included.
   ///

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
+#include <algorithm>
 #include <cmath>
 #include <span>
 #include <vector>
@@ -12,7 +13,7 @@
 #include "rod/step.h"
 #include "rod/strand.h"
 
-/// S2 to S9 of rod.md for a chain of elements of n unknowns each: 3 where the strand itself is a
+/// S2 to S11 of rod.md for a chain of elements of n unknowns each: 3 where the strand itself is a
 /// Super-Helix (step.cpp), 4 where its coil's axis is one (wound.cpp). Once an element is
 /// linearised, which is up to its kind, they differ in n alone. Internal to this folder.
 namespace mane::rod::recursion {
@@ -93,11 +94,14 @@ void AddBodyForce(const LinearElement<n>& element, const Vector3d& body, Cost<n>
   cost->V.b.template tail<3>() += element.c.cross(momentum);
 }
 
-// Adds 1/2 v.(h gamma / l + h^2 K) v + h v.K (x - x^n).
+// Adds 1/2 v.(h D + h^2 K) v + h v.K (x - x^n), where the friction D is gamma / l, and h K / 2 at
+// least (S10).
 template <int n>
 void AddElasticity(const LinearElement<n>& element, const Coefficients& c, Cost<n>* cost) {
-  cost->Hvv += c.h * c.h * element.K;
-  cost->Hvv.diagonal().array() += c.h * c.gamma / element.length;
+  const Eigen::Matrix<double, n, n> stiff = c.h * c.h * element.K;
+  Eigen::Matrix<double, n, n> friction = kLeastFriction * stiff;
+  friction.diagonal() = friction.diagonal().cwiseMax(c.h * c.gamma / element.length);
+  cost->Hvv += stiff + friction;
   cost->gv.noalias() -= c.h * element.K * element.strain;
 }
 
@@ -160,8 +164,8 @@ CostToGo Eliminate(const Cost<n>& cost, LinearElement<n>* element) {
   return left;
 }
 
-/// S9, S5 to S7 tip to root, then S4 root to tip, where the root's twist V is known, so that all
-/// others are.
+/// S9, S5 to S7 tip to root, then S11 and S4 root to tip, where the root's twist V is known, so
+/// that all others are.
 ///
 /// @param elements  linearised at the extrapolated unknowns, root first.
 /// @param x, rate   unknowns and their rates, (N); in and out.
@@ -188,7 +192,8 @@ bool Advance(std::span<LinearElement<n>> elements, const Coefficients& c, double
   double magnitude = 0;
   for (int Q = 0; Q < N; ++Q) {
     const LinearElement<n>& element = elements[Q];
-    const Eigen::Matrix<double, n, 1> v = element.k - element.L * V;
+    Eigen::Matrix<double, n, 1> v = element.k - element.L * V;
+    v *= std::min(1.0, kLargestTurn / std::max(dt * v.norm(), 1e-300));  // S11
     for (int g = 0; g < kGaussPoints; ++g) {
       Vector3d& u = velocity[Q * kGaussPoints + g];
       const Vector3d u_x = V.head<3>() + V.tail<3>().cross(element.r[g]) + element.J[g] * v;

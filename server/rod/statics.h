@@ -21,6 +21,8 @@ struct StaticsReport {
 /// Static equilibrium: the local minimum of U(theta) - int rho S g.r ds that energy descent reaches
 /// from the given angles (heavy and upward hair has several; see rod.md, Statics).
 ///
+/// O(N) an iteration.
+///
 /// @param clamp    root frame; only its rotation matters.
 /// @param gravity  [m/s^2], in the frame of `clamp`'s parent.
 /// @param theta    in: where to start, such as the natural shape; out: the equilibrium [rad], (N).

@@ -34,7 +34,9 @@ double PredictedChange(const Strand& strand, const math::Pose& clamp, const Surr
   for (int Q = 0; Q < strand.elements(); ++Q) {
     const double l = strand.length[Q];
     const Vector3d v = after.rate[Q];
-    change -= dt * gamma / l * v.squaredNorm();
+    const Vector3d friction =
+        (kLeastFriction * kTheta * dt * strand.stiffness).cwiseMax(Vector3d::Constant(gamma)) / l;
+    change -= dt * v.dot(friction.cwiseProduct(v));
     change -= (kTheta - 0.5) * dt * dt * v.dot(strand.stiffness.cwiseProduct(v)) / l;
     for (int g = 0; g < kGaussPoints; ++g) {
       const int k = kGaussPoints * Q + g;

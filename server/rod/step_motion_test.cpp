@@ -88,7 +88,7 @@ void ExpectConvergesToLagrange(const Scene& scene) {
   Vector x[4];
   double error[4];
   for (int i = 0; i < 4; ++i) {
-    x[i] = RunSteps(scene, 500 << i);
+    x[i] = RunSteps(scene, 1000 << i);
     error[i] = static_cast<double>((x[i] - exact).norm() / moved.norm());
   }
   EXPECT_LT(error[3], 5e-3);

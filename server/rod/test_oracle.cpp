@@ -264,7 +264,8 @@ void DenseStep(const Strand& strand, const ClampMotion& clamp, const Surrounding
   // (S3): the minimum of the quadratic form.
   Matrix H = Matrix::Zero(theta.size(), theta.size());
   Vector b = -h * rod.Stiffness().cwiseProduct(theta - rod.Natural());
-  H.diagonal() = h * air.friction * rod.Friction() + h * h * rod.Stiffness();
+  const Vector stiff = h * h * rod.Stiffness();
+  H.diagonal() = stiff + (h * air.friction * rod.Friction()).cwiseMax(kLeastFriction * stiff);
   std::vector<Vector3> base(J.size());
   for (size_t k = 0; k < J.size(); ++k) {
     base[k] = velocity + spin.cross(r.col(k) - root.r);

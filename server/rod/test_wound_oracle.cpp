@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 
+#include <algorithm>
 #include <cmath>
 
 namespace mane::rod::oracle {
@@ -108,9 +109,11 @@ Matrix WoundRod::Stiffness() const {
   return K;
 }
 
-Vector WoundRod::Friction() const {
-  Vector D(4 * elements());
-  for (int i = 0; i < D.size(); ++i) D[i] = strand_.internal_friction / strand_.length[i / 4];
+Matrix WoundRod::Friction(Real scale, Real dt) const {
+  Matrix D = kLeastFriction * kTheta * dt * Stiffness();
+  for (int i = 0; i < D.rows(); ++i) {
+    D(i, i) = std::max(D(i, i), scale * strand_.internal_friction / strand_.length[i / 4]);
+  }
   return D;
 }
 
@@ -209,8 +212,8 @@ void DenseStep(const Strand& strand, const ClampMotion& clamp, const Surrounding
   const std::vector<Matrix3X> J = rod.Jacobians(root, ahead);
   const Vector masses = rod.Masses();
 
-  Matrix H = h * h * rod.Stiffness();
-  H.diagonal() += h * air.internal_friction_scale * rod.Friction();
+  const Matrix stiff = h * h * rod.Stiffness();
+  Matrix H = stiff + h * rod.Friction(air.internal_friction_scale, dt);
   const Vector3 body = (air.gravity + static_cast<double>(c) * air.wind).cast<Real>();
   Vector b = -h * rod.Stiffness() * x - h * rod.GravityGradient(root, body, ahead);
   std::vector<Vector3> base(J.size());

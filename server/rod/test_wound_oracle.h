@@ -24,7 +24,8 @@ class WoundRod {
   [[nodiscard]] Vector Masses() const;
   /// K / l of all elements, (4N x 4N).
   [[nodiscard]] Matrix Stiffness() const;
-  [[nodiscard]] Vector Friction() const;
+  /// Friction of a step of `dt` (S10), (4N x 4N).
+  [[nodiscard]] Matrix Friction(Real scale, Real dt) const;
   /// -int rho S g.r ds along the axis, 48 points an element, and its gradient.
   [[nodiscard]] Real Gravity(const Frame& clamp, const Vector3& g, const Vector& x) const;
   [[nodiscard]] Vector GravityGradient(const Frame& clamp, const Vector3& g, const Vector& x) const;
@@ -45,8 +46,8 @@ class WoundRod {
 
 [[nodiscard]] Vector Stack(const std::vector<Vector4d>& vectors);
 
-/// One step of rod.md (S2) to (S4), (S9) with coil.md's kinematics, assembled densely; advances
-/// `state`.
+/// One step of rod.md (S2) to (S4), (S9), (S10) with coil.md's kinematics, assembled densely;
+/// advances `state`.
 void DenseStep(const Strand& strand, const ClampMotion& clamp, const Surroundings& air,
                WoundState state);
 

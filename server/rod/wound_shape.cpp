@@ -58,25 +58,4 @@ double GravityPotential(const WoundStrand& wound, const math::Pose& clamp, const
   return V;
 }
 
-void PotentialGradient(const WoundStrand& wound, const math::Pose& clamp, const Vector3d& gravity,
-                       std::span<const Vector4d> x, std::span<Vector4d> gradient) {
-  const int N = wound.elements();
-  MANE_CHECK(static_cast<int>(gradient.size()) == N);
-  const std::vector<WoundFrame> frames = WoundFrames(wound, clamp, x);
-  Vector3d force = Vector3d::Zero();   // Weight of all that hangs beyond the element's right end,
-  Vector3d moment = Vector3d::Zero();  // and its moment about that end.
-  for (int Q = N - 1; Q >= 0; --Q) {
-    const double l = wound.strand.length[Q];
-    const CoilEnd end = EndOfCoil(AxisOfElement(wound.coil, l, x[Q]));
-    const Matrix3d& A = frames[Q].A;
-    const Vector3d weight = wound.strand.linear_density * l * gravity;
-    const Vector4d load = l * end.G.transpose() * (A.transpose() * weight) +
-                          l * end.J.transpose() * (A.transpose() * force) +
-                          end.T.transpose() * (A.transpose() * moment);
-    gradient[Q] = wound.coil.stiffness * x[Q] / l - load;
-    moment += (l * (A * end.p)).cross(force) + (l * (A * end.c)).cross(weight);
-    force += weight;
-  }
-}
-
 }  // namespace mane::rod

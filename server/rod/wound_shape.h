@@ -39,9 +39,4 @@ struct WoundFrame {
 [[nodiscard]] double GravityPotential(const WoundStrand& wound, const math::Pose& clamp,
                                       const Eigen::Vector3d& gravity, std::span<const Vector4d> x);
 
-/// Gradient of ElasticEnergy + GravityPotential by x [J/rad], (N); O(N).
-void PotentialGradient(const WoundStrand& wound, const math::Pose& clamp,
-                       const Eigen::Vector3d& gravity, std::span<const Vector4d> x,
-                       std::span<Vector4d> gradient);
-
 }  // namespace mane::rod

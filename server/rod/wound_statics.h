@@ -10,7 +10,7 @@
 namespace mane::rod {
 
 /// Static equilibrium of a wound strand, as statics.h's of a plain one: the local minimum of
-/// U(x) - int rho S g.r ds that energy descent reaches from `x`.
+/// U(x) - int rho S g.r ds that energy descent reaches from `x`. O(N) an iteration.
 ///
 /// @param clamp    root frame of the hair; only its rotation matters.
 /// @param gravity  [m/s^2], in the frame of `clamp`'s parent.

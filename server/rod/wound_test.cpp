@@ -4,6 +4,7 @@
 //   physics        from rest it accelerates by M^-1 f as dt -> 0
 //   moving frame   an evenly accelerated clamp is weight; turning all turns the answer
 //   economy        a warm step does not allocate; same input, same bits
+//   largest turn   S11 caps what an element turns by
 //   failure        reports what is not finite
 
 #include "rod/wound.h"
@@ -247,6 +248,20 @@ TEST(WoundTest, WarmStepsDoNotAllocate) {
     cold = allocations.count();
   }
   EXPECT_GT(cold, 0);
+}
+
+TEST(WoundTest, AnElementTurnsByAtMostAThousandRadians) {  // S11
+  Random random(19);
+  const WoundStrand wound = AnyWound(random, 4, 0.2, 8);
+  WoundOwned state(wound);
+  Surroundings air;
+  air.gravity = {1e9, 0, 0};
+  WoundScratch scratch;
+  const double dt = 1.0 / 60;
+  ASSERT_TRUE(Step(wound, {{}, {}, dt}, air, state.View(), scratch));
+  EXPECT_NEAR(dt * Largest(state.rate), kLargestTurn, 1e-9 * kLargestTurn);
+  for (int i = 0; i < 20; ++i) ASSERT_TRUE(Step(wound, {{}, {}, dt}, air, state.View(), scratch));
+  EXPECT_LE(dt * Largest(state.rate), kLargestTurn * (1 + 1e-9));
 }
 
 TEST(WoundTest, ReportsWhatIsNotFinite) {

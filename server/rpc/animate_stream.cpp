@@ -9,16 +9,8 @@
 namespace mane::rpc {
 namespace {
 
-// Commands and frames a head may have waiting before its client is read no further.
-constexpr int kMaxBacklogLockstep = 8;
-constexpr int kMaxBacklogRealtime = 64;
 // Notices waiting for a slow client; more are dropped.
 constexpr size_t kMaxMessages = 16;
-
-int MaxBacklog(const session::HeadSession& head) {
-  return head.options().pacing == session::Pacing::kLockstep ? kMaxBacklogLockstep
-                                                             : kMaxBacklogRealtime;
-}
 
 }  // namespace
 
@@ -199,7 +191,7 @@ void AnimateStream::OnEnd(const Error& error) {
 
 void AnimateStream::ReadOnLocked() {
   if (reading_ || opening_ || half_closed_ || status_) return;
-  if (head_ != nullptr && head_->Backlog() >= MaxBacklog(*head_)) return;
+  if (head_ != nullptr && head_->Full()) return;
   reading_ = true;
   StartRead(&incoming_);
 }

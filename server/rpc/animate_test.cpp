@@ -235,7 +235,7 @@ TEST_F(AnimateTest, MessagesOverTheLimitAreRefused) {
 }
 
 TEST(AnimateLimitTest, VanishingAndCancellingClientsLeaveNoHeadBehind) {
-  TestServer server({.max_heads = 3});
+  TestServer server({.max_heads = 12});  // Of which some may still be closing.
   const std::string groom = server.MakeGroom();
   TestStream witness(server, LockstepOf(groom));
   ASSERT_TRUE(witness.Pose(0, 0));
@@ -252,6 +252,22 @@ TEST(AnimateLimitTest, VanishingAndCancellingClientsLeaveNoHeadBehind) {
     EXPECT_EQ(stream.Finish().error_code(), grpc::StatusCode::CANCELLED);
     ASSERT_TRUE(witness.Pose((i + 1) / 60.0, 0.01));
     ASSERT_FALSE(witness.NextFrame().empty());
+  }
+}
+
+TEST(AnimateLimitTest, EightHeadsOfAHundredGuidesRunInRealTime) {
+  TestServer server;
+  v1::Groom groom;
+  const grpc::Status uploaded =
+      server.Upload(UploadOf(std::vector<v1::Guide>(100, GoodGuide(5))), &groom);
+  ASSERT_TRUE(uploaded.ok()) << uploaded.error_message();
+  v1::OpenHead open;
+  open.set_groom(groom.name());
+  open.set_pacing(v1::PACING_REALTIME);
+  std::vector<std::unique_ptr<TestStream>> heads;
+  for (int i = 0; i < 8; ++i) {
+    heads.push_back(std::make_unique<TestStream>(server, open));
+    EXPECT_FALSE(heads.back()->NextFrame().empty()) << i;
   }
 }
 

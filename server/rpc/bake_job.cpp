@@ -6,6 +6,7 @@
 #include "head/head.h"
 #include "rpc/convert_animation.h"
 #include "rpc/limits.h"
+#include "session/admission.h"
 #include "stored.pb.h"
 
 namespace mane::rpc {
@@ -93,6 +94,7 @@ Result<Bake> ToBake(const v1::BakeAnimationRequest& request) {
 }
 
 Result<void> AdmitBake(const groom::Groom& groom, const Bake& bake) {
+  if (const auto ok = session::AdmitView(groom, bake.view, ""); !ok) return ok;
   const size_t bytes = head::FrameSize(groom, bake.view) * bake.motion.size();
   if (bytes > kMaxResultBytes) {
     return Error{ErrorCode::kResourceExhausted,
@@ -125,6 +127,8 @@ Result<void> RunBake(GroomLibrary& grooms, exec::WorkerPool& pool, jobs::JobCont
   const auto loaded = grooms.Load(request.groom(), "groom");
   if (!loaded) return loaded.error();
   const groom::Groom& groom = **loaded;
+  // Again: it may have been made anew, and larger, since the bake was submitted.
+  if (const auto ok = AdmitBake(groom, *bake); !ok) return ok;
 
   head::HeadState state = head::AtRest(groom, bake->motion.front().pose);
   BakeChunk chunk;

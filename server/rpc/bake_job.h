@@ -24,7 +24,7 @@ struct Bake {
 Result<Bake> ToBake(const v1::BakeAnimationRequest& request);
 
 /// kResourceExhausted when a frame of the bake is too much work, so that it could not be cancelled
-/// within a second, or all frames too many bytes.
+/// within a second, or too many bytes, or all frames together are.
 Result<void> AdmitBake(const groom::Groom& groom, const Bake& bake);
 
 /// Runs the bake in `context`'s spec, a serialised BakeAnimationRequest: the same frames as a

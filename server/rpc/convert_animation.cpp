@@ -74,6 +74,29 @@ Result<session::PoseCommand> ToPoseCommand(const v1::HeadPose& message, const st
   return session::PoseCommand{message.time_s(), *pose, false};
 }
 
+// Gusts and eddies.
+Result<void> ToWindVariation(const v1::Environment& message, const std::string& field,
+                             session::EnvironmentCommand* change) {
+  const auto take = [&](bool has, double value, const char* name, double low, double high,
+                        std::optional<double>* target) -> Result<void> {
+    if (!has) return {};
+    *target = value;
+    return CheckRange(field + name, value, low, high);
+  };
+  if (message.has_wind_seed()) change->wind_seed = message.wind_seed();
+  for (const auto& ok : {take(message.has_gust_strength(), message.gust_strength(),
+                              ".gust_strength", 0, 2, &change->gust_strength),
+                         take(message.has_gust_period_s(), message.gust_period_s(),
+                              ".gust_period_s", 0.1, 100, &change->gust_period),
+                         take(message.has_turbulence_speed(), message.turbulence_speed(),
+                              ".turbulence_speed", 0, 50, &change->turbulence_speed),
+                         take(message.has_turbulence_size_m(), message.turbulence_size_m(),
+                              ".turbulence_size_m", 0.01, 100, &change->turbulence_size)}) {
+    if (!ok) return ok;
+  }
+  return {};
+}
+
 Result<session::EnvironmentCommand> ToEnvironmentCommand(const v1::Environment& message,
                                                          const std::string& field) {
   session::EnvironmentCommand change;
@@ -98,6 +121,7 @@ Result<session::EnvironmentCommand> ToEnvironmentCommand(const v1::Environment& 
     const auto ok = CheckRange(field + ".air_drag_scale", message.air_drag_scale(), 0, kMaxScale);
     if (!ok) return ok.error();
   }
+  if (const auto ok = ToWindVariation(message, field, &change); !ok) return ok.error();
   return change;
 }
 

@@ -276,12 +276,52 @@ TEST_F(BakeTest, BadBakesAreNamedBeforeAnythingIsQueued) {
   std::memset(request.mutable_motion()->mutable_times_s()->data(), 0, 16);
   Submit(request, grpc::StatusCode::INVALID_ARGUMENT);
   EXPECT_EQ(field_, "motion.times_s[1]");
-  request = Request(server_.MakeGroom(250), 100);  // 750 elements, a second for the last pose.
+  std::vector<v1::Guide> guides(60);
+  for (size_t i = 0; i < guides.size(); ++i) guides[i] = GoodGuide(128);
+  v1::Groom large;  // 7680 elements.
+  ASSERT_TRUE(server_.Upload(UploadOf(guides), &large).ok());
+  request = Request(large.name(), 3);
   request.set_substeps(64);
-  const double last = 98 / 60.0 + 1;
-  std::memcpy(request.mutable_motion()->mutable_times_s()->data() + 8 * 99, &last, 8);
   Submit(request, grpc::StatusCode::RESOURCE_EXHAUSTED);
   EXPECT_EQ(field_, "substeps");
+}
+
+TEST_F(BakeTest, ABakeOfAGroomMadeAnewIsAdmittedAnew) {
+  const auto make = [&](int guides) {
+    auto upload = UploadOf(std::vector<v1::Guide>(guides, GoodGuide(1)));
+    upload[0].mutable_header()->set_groom_id("anew");
+    v1::Groom groom;
+    const grpc::Status status = server_.Upload(upload, &groom);
+    EXPECT_TRUE(status.ok()) << status.error_message();
+  };
+  make(1);
+  v1::BakeAnimationRequest first = Request(server_.MakeGroom(40), 9000);
+  first.set_substeps(64);  // Minutes of work, which the other bake waits for.
+  const v1::Job busy = Submit(first, grpc::StatusCode::OK);
+  v1::BakeAnimationRequest request = Request("grooms/anew", 3);
+  request.set_points_per_guide(256);
+  const v1::Job job = Submit(request, grpc::StatusCode::OK);
+  {
+    grpc::ClientContext context;
+    v1::DeleteGroomRequest remove;
+    remove.set_name("grooms/anew");
+    google::protobuf::Empty empty;
+    const auto grooms = v1::GroomService::NewStub(server_.channel());
+    ASSERT_TRUE(grooms->DeleteGroom(&context, remove, &empty).ok());
+  }
+  make(5500);  // 16.9 MB a frame.
+  grpc::ClientContext context;
+  v1::CancelJobRequest cancel;
+  cancel.set_name(busy.name());
+  v1::Job answer;
+  ASSERT_TRUE(
+      v1::JobService::NewStub(server_.channel())->CancelJob(&context, cancel, &answer).ok());
+  const v1::Job ended = Watch(job.name());
+  EXPECT_EQ(ended.state(), v1::Job::STATE_FAILED);
+  // As the bake of the new groom is refused.
+  Submit(request, grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_EQ(field_, "points_per_guide");
+  EXPECT_TRUE(ended.error().starts_with("points_per_guide: a frame of")) << ended.error();
 }
 
 TEST_F(BakeTest, ABakeIsSubmittedOnceAndCanBeCancelled) {

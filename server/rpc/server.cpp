@@ -25,9 +25,10 @@ namespace {
 // the animation, nor the second the first.
 constexpr int kRequestWorkers = 2;
 constexpr int kSolvingWorkers = 2;
-// Element-steps a second of real-time heads that one worker is trusted with: some 60 % of what the
-// slowest machines of today do, which leaves room for streaming.
-constexpr double kElementStepsPerWorker = 5e5;
+// Element-steps a second of real-time heads that one worker is trusted with: about a quarter of
+// what a core steps with vector kernels (session/admission.h), which leaves room for streaming, for
+// heads that fall due at once and for estimates that are wrong.
+constexpr double kElementStepsPerWorker = 5e6;
 // How often a draining server looks whether the clients have gone.
 constexpr auto kDrainPoll = std::chrono::milliseconds(50);
 // How long streams get to end once they were told to.

@@ -1,23 +1,50 @@
 #include "session/admission.h"
 
+#include <algorithm>
+
 namespace mane::session {
+namespace {
+
+// Time steps of a frame; in lockstep, where poses decide, of the shortest one.
+int StepsOfFrame(const HeadOptions& options) {
+  const double duration = options.pacing == Pacing::kRealtime ? 1 / options.rate_hz : 0;
+  return head::StepCount({{}, duration, options.substeps});
+}
+
+// Points that a frame of `view` holds.
+double PointCount(const groom::Groom& groom, const head::View& view) {
+  if (view.format == head::FrameFormat::kGeneralized) return groom.element_count();
+  return static_cast<double>(groom.guide_count()) * view.points_per_guide;
+}
+
+}  // namespace
+
+Result<void> AdmitView(const groom::Groom& groom, const head::View& view,
+                       const std::string& field) {
+  const size_t bytes = head::FrameSize(groom, view);
+  if (bytes <= kMaxFrameBytes) return {};
+  return Error{ErrorCode::kResourceExhausted,
+               fmt::format("a frame of {}points_per_guide {} has {} bytes; at most {} are allowed: "
+                           "ask for fewer points or a smaller format",
+                           field, view.points_per_guide, bytes, kMaxFrameBytes),
+               field + "points_per_guide"};
+}
 
 Result<void> AdmitHead(const groom::Groom& groom, const HeadOptions& options) {
-  const size_t bytes = head::FrameSize(groom, options.view);
-  if (bytes > kMaxFrameBytes) {
-    return Error{ErrorCode::kResourceExhausted,
-                 fmt::format("a frame of open.points_per_guide {} has {} bytes; at most {} are "
-                             "allowed: ask for fewer points or a smaller format",
-                             options.view.points_per_guide, bytes, kMaxFrameBytes),
-                 "open.points_per_guide"};
-  }
-  const double work = static_cast<double>(groom.element_count()) * options.substeps;
+  if (const auto ok = AdmitView(groom, options.view, "open."); !ok) return ok;
+  const int steps = StepsOfFrame(options);
+  const double work = static_cast<double>(groom.element_count()) * steps;
   if (work <= kMaxFrameWork) return {};
   return Error{ErrorCode::kResourceExhausted,
-               fmt::format("{} elements in open.substeps {} are {} element-steps a frame; at most "
-                           "{} are allowed",
-                           groom.element_count(), options.substeps, work, kMaxFrameWork),
+               fmt::format("{} elements in {} time steps, with open.substeps {}, are {} "
+                           "element-steps a frame; at most {} are allowed",
+                           groom.element_count(), steps, options.substeps, work, kMaxFrameWork),
                "open.substeps"};
+}
+
+int FrameWindow(const groom::Groom& groom, const head::View& view, int most) {
+  const size_t bytes = std::max<size_t>(1, head::FrameSize(groom, view));
+  return static_cast<int>(std::clamp<size_t>(kMaxBacklogBytes / bytes, 1, most));
 }
 
 Result<void> AdmitFrame(const groom::Groom& groom, const head::Movement& movement) {
@@ -32,8 +59,10 @@ Result<void> AdmitFrame(const groom::Groom& groom, const head::Movement& movemen
 
 double RealtimeLoad(const groom::Groom& groom, const HeadOptions& options) {
   if (options.pacing != Pacing::kRealtime) return 0;
-  const int steps = options.substeps + (options.diagnostics ? kDiagnosticsSteps : 0);
-  return static_cast<double>(groom.element_count()) * steps * options.rate_hz;
+  const int steps = StepsOfFrame(options) + (options.diagnostics ? kDiagnosticsSteps : 0);
+  const double frame = static_cast<double>(groom.element_count()) * steps + kFrameSteps +
+                       kPointSteps * PointCount(groom, options.view);
+  return frame * options.rate_hz;
 }
 
 }  // namespace mane::session

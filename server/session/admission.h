@@ -7,24 +7,41 @@
 namespace mane::session {
 
 /// What one head may cost, so that it cannot hold up the others: a frame, once begun, is computed
-/// to its end. Costs count in element-steps, one time step of one element, a microsecond or so.
+/// to its end. Costs count in element-steps, one time step of one element: some 40 ns of one core
+/// with vector kernels, up to a microsecond without. What else a frame costs counts as the
+/// element-steps that take about as long. All are estimates, made to tell what fits easily from
+/// what cannot; the notices of late frames tell the truth.
 
 /// Element-steps that the diagnostics of one element count as.
 inline constexpr int kDiagnosticsSteps = 64;
+/// Element-steps that any frame counts as, however small: its task, message and system calls.
+inline constexpr double kFrameSteps = 2000;
+/// Element-steps that one point of a frame counts as, or one element in generalized coordinates.
+inline constexpr double kPointSteps = 0.5;
 
 /// Element-steps of one lockstep frame: seconds of work at most.
 inline constexpr double kMaxFrameWork = 1e7;
-/// Bytes of one frame; several may wait for a slow lockstep client.
+/// Bytes of one frame.
 inline constexpr size_t kMaxFrameBytes = 16 << 20;
+/// Bytes of frames that one head may have waiting or under way.
+inline constexpr size_t kMaxBacklogBytes = 32 << 20;
+
+/// kResourceExhausted when a frame of `view` is larger than kMaxFrameBytes; the error names
+/// `field`'s points_per_guide, `field` being empty or ending in a dot.
+Result<void> AdmitView(const groom::Groom& groom, const head::View& view, const std::string& field);
 
 /// kResourceExhausted when a frame of `options` is too large or even its shortest one too much
 /// work.
 Result<void> AdmitHead(const groom::Groom& groom, const HeadOptions& options);
 
+/// Frames that a head may have waiting or under way: `most`, or the fewer that kMaxBacklogBytes
+/// hold, but at least one.
+[[nodiscard]] int FrameWindow(const groom::Groom& groom, const head::View& view, int most);
+
 /// kResourceExhausted when `movement` is too much work for one frame.
 Result<void> AdmitFrame(const groom::Groom& groom, const head::Movement& movement);
 
-/// Element-steps a second of a real-time head; 0 in lockstep.
+/// Element-steps a second of a real-time head, its frames included; 0 in lockstep.
 [[nodiscard]] double RealtimeLoad(const groom::Groom& groom, const HeadOptions& options);
 
 }  // namespace mane::session

@@ -21,7 +21,7 @@ struct HeadOptions {
   double rate_hz = 60;      ///< Real time only.
   int substeps = 1;         ///< Time steps per frame.
   double pose_delay = 0;    ///< [s], real time only.
-  int max_unacked = 3;      ///< Frames under way, real time only.
+  int max_unacked = 3;      ///< Frames under way, real time only; fewer where they are large.
   math::Pose initial_pose;  ///< Before the first pose.
   head::Environment environment;
   bool diagnostics = false;  ///< Every frame carries them.
@@ -39,10 +39,15 @@ struct ResetCommand {};
 
 /// Changes to what surrounds the hair; what is empty stays.
 struct EnvironmentCommand {
-  std::optional<Eigen::Vector3d> wind;
-  std::optional<Eigen::Vector3d> gravity;
-  std::optional<double> internal_friction_scale;
-  std::optional<double> air_drag_scale;
+  std::optional<Eigen::Vector3d> wind = std::nullopt;
+  std::optional<Eigen::Vector3d> gravity = std::nullopt;
+  std::optional<double> internal_friction_scale = std::nullopt;
+  std::optional<double> air_drag_scale = std::nullopt;
+  std::optional<double> gust_strength = std::nullopt;
+  std::optional<double> gust_period = std::nullopt;
+  std::optional<double> turbulence_speed = std::nullopt;
+  std::optional<double> turbulence_size = std::nullopt;
+  std::optional<uint64_t> wind_seed = std::nullopt;
 };
 
 inline void Apply(const EnvironmentCommand& change, head::Environment* environment) {
@@ -51,6 +56,12 @@ inline void Apply(const EnvironmentCommand& change, head::Environment* environme
   environment->internal_friction_scale =
       change.internal_friction_scale.value_or(environment->internal_friction_scale);
   environment->air_drag_scale = change.air_drag_scale.value_or(environment->air_drag_scale);
+  head::WindVariation& wind = environment->wind_variation;
+  wind.gust_strength = change.gust_strength.value_or(wind.gust_strength);
+  wind.gust_period = change.gust_period.value_or(wind.gust_period);
+  wind.turbulence_speed = change.turbulence_speed.value_or(wind.turbulence_speed);
+  wind.turbulence_size = change.turbulence_size.value_or(wind.turbulence_size);
+  wind.seed = change.wind_seed.value_or(wind.seed);
 }
 
 using Command = std::variant<PoseCommand, ResetCommand, EnvironmentCommand>;

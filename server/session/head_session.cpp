@@ -18,6 +18,20 @@ constexpr double kLeastPoseGap = 1e-6;
 constexpr double kLongestPoseGap = 1;
 // Least time between two notices of a kind [s].
 constexpr double kNoticePeriod = 1;
+// Commands and frames a head may have waiting before its client is read no further; in lockstep
+// every command may become a frame.
+constexpr int kMaxBacklogLockstep = 8;
+constexpr int kMaxBacklogRealtime = 64;
+
+int MaxBacklog(const groom::Groom& groom, const HeadOptions& options) {
+  if (options.pacing == Pacing::kRealtime) return kMaxBacklogRealtime;
+  return FrameWindow(groom, options.view, kMaxBacklogLockstep);
+}
+
+Mailbox MakeMailbox(const groom::Groom& groom, const HeadOptions& options) {
+  if (options.pacing == Pacing::kLockstep) return Mailbox::Ordered();
+  return Mailbox::Newest(FrameWindow(groom, options.view, options.max_unacked));
+}
 
 }  // namespace
 
@@ -27,30 +41,29 @@ HeadSession::HeadSession(std::string name, std::shared_ptr<const groom::Groom> g
       groom_(std::move(groom)),
       options_(options),
       pool_(pool),
+      max_backlog_(MaxBacklog(*groom_, options)),
       state_(head::AtRest(*groom_, options.initial_pose)),
       environment_(options.environment),
-      mailbox_(options.pacing == Pacing::kRealtime ? Mailbox::Newest(options.max_unacked)
-                                                   : Mailbox::Ordered()) {}
+      mailbox_(MakeMailbox(*groom_, options)) {}
 
 Result<void> HeadSession::Submit(const Command& command) {
   const bool lockstep = options_.pacing == Pacing::kLockstep;
   {
     std::lock_guard lock(mutex_);
-    if (ended_) return Error{ErrorCode::kInternal, "the head has ended", ""};
+    if (end_) return Error{ErrorCode::kInternal, "the head has ended", ""};
     if (const auto* pose = std::get_if<PoseCommand>(&command)) {
+      const char* const field = pose->teleport ? "teleport.time_s" : "pose.time_s";
       if (newest_time_ && !(pose->time - *newest_time_ >= kLeastPoseGap)) {
-        return InvalidArgument(
-            "pose.time_s", fmt::format("pose.time_s is {}; it must be above the last one, {}, by "
-                                       "at least {} s",
-                                       pose->time, *newest_time_, kLeastPoseGap));
+        return InvalidArgument(field, fmt::format("{} is {}; it must be above the last one, {}, by "
+                                                  "at least {} s",
+                                                  field, pose->time, *newest_time_, kLeastPoseGap));
       }
       if (lockstep && newest_time_ && !pose->teleport &&
           pose->time - *newest_time_ > kLongestPoseGap) {
         return InvalidArgument(
-            "pose.time_s",
-            fmt::format("pose.time_s is {}, {} s after the last one; it must be at most {} s "
-                        "(send a teleport to leave time out)",
-                        pose->time, pose->time - *newest_time_, kLongestPoseGap));
+            field, fmt::format("{} is {}, {} s after the last one; it must be at most {} s "
+                               "(send a teleport to leave time out)",
+                               field, pose->time, pose->time - *newest_time_, kLongestPoseGap));
       }
       if (lockstep && newest_time_ && !pose->teleport) {
         const auto admitted =
@@ -70,7 +83,7 @@ Result<void> HeadSession::Submit(const Command& command) {
     if (!lockstep || running_) return {};
     running_ = true;
   }
-  Start([this] { RunQueue(); });
+  Start([this] { RunCommand(); });
   return {};
 }
 
@@ -87,7 +100,7 @@ OutgoingFrame HeadSession::TakeFrame() {
 
 int HeadSession::Backlog() const {
   std::lock_guard lock(mutex_);
-  return static_cast<int>(commands_.size()) + mailbox_.size() + (running_ ? 1 : 0);
+  return static_cast<int>(commands_.size()) + mailbox_.size() + (in_hand_ ? 1 : 0);
 }
 
 uint64_t HeadSession::next_frame() const {
@@ -96,13 +109,20 @@ uint64_t HeadSession::next_frame() const {
 }
 
 void HeadSession::Attach(FrameSink* sink) {
+  // Held throughout: an End of now either finds the sink or is found here.
+  std::lock_guard sink_lock(sink_mutex_);
+  std::optional<Error> end;
   {
     std::lock_guard lock(mutex_);
     mailbox_.Reconnect();
     told_no_poses_at_ = base::SteadySeconds();
+    end = end_;
   }
-  std::lock_guard lock(sink_mutex_);
-  sink_ = sink;
+  if (end) {
+    sink->OnEnd(*end);
+  } else {
+    sink_ = sink;
+  }
 }
 
 void HeadSession::Detach(FrameSink* sink) {
@@ -120,7 +140,7 @@ void HeadSession::Displace() {
 void HeadSession::End(const Error& error) {
   {
     std::lock_guard lock(mutex_);
-    ended_ = true;
+    if (!end_) end_ = error;
     commands_.clear();
   }
   std::lock_guard lock(sink_mutex_);
@@ -168,44 +188,45 @@ std::shared_ptr<Frame> HeadSession::MakeFrame(double time, double newest_pose_ti
 
 // --- lockstep ---
 
-void HeadSession::RunQueue() {
-  while (true) {
-    Command command;
-    {
-      std::lock_guard lock(mutex_);
-      if (commands_.empty() || ended_) {
-        running_ = false;
-        return;
-      }
-      command = std::move(commands_.front());
-      commands_.pop_front();
+void HeadSession::RunCommand() {
+  Command command;
+  {
+    std::lock_guard lock(mutex_);
+    if (commands_.empty() || end_) {
+      running_ = false;
+      return;
     }
-    if (std::holds_alternative<ResetCommand>(command)) {
-      head::Reset(*groom_, &state_);
-      continue;
-    }
-    if (const auto* change = std::get_if<EnvironmentCommand>(&command)) {
-      Apply(*change, &environment_);
-      continue;
-    }
-    const PoseCommand& pose = std::get<PoseCommand>(command);
+    command = std::move(commands_.front());
+    commands_.pop_front();
+    in_hand_ = true;
+  }
+  std::shared_ptr<Frame> frame;
+  if (const auto* pose = std::get_if<PoseCommand>(&command)) {
     const double started = base::SteadySeconds();
-    if (pose.teleport || !placed_) {
-      head::Teleport(*groom_, pose.pose, &state_);
+    if (pose->teleport || !placed_) {
+      head::Teleport(*groom_, pose->pose, &state_);
       placed_ = true;
     } else {
-      MoveTo(pose.pose, pose.time - last_pose_time_);
+      MoveTo(pose->pose, pose->time - last_pose_time_);
     }
-    last_pose_time_ = pose.time;
-    auto frame = MakeFrame(pose.time, pose.time, started);
-    {
-      std::lock_guard lock(mutex_);
+    last_pose_time_ = pose->time;
+    frame = MakeFrame(pose->time, pose->time, started);
+  } else if (const auto* change = std::get_if<EnvironmentCommand>(&command)) {
+    Apply(*change, &environment_);
+  } else {
+    head::Reset(*groom_, &state_);
+  }
+  {
+    std::lock_guard lock(mutex_);
+    if (frame) {
       frame->index = next_frame_++;
       mailbox_.Put(std::move(frame));
     }
-    std::lock_guard lock(sink_mutex_);
-    if (sink_ != nullptr) sink_->OnProgress();
+    in_hand_ = false;
+    running_ = !commands_.empty() && !end_;
+    if (!running_) return;
   }
+  Start([this] { RunCommand(); });  // Behind the heads that wait already.
 }
 
 // --- real time ---
@@ -214,7 +235,7 @@ void HeadSession::Tick(double due, int missed) {
   const double now = base::SteadySeconds();
   {
     std::lock_guard lock(mutex_);
-    if (ended_) return;
+    if (end_) return;
     late_ += missed;
     if (running_) {
       ++late_;

@@ -59,11 +59,15 @@ class HeadSession : public std::enable_shared_from_this<HeadSession> {
   Result<void> Acknowledge(uint64_t index);
   /// The next frame to send, if any.
   [[nodiscard]] OutgoingFrame TakeFrame();
-  /// Commands and frames not yet sent; a lockstep client is read no further above a few.
+  /// Commands not yet worked off and frames not yet sent.
   [[nodiscard]] int Backlog() const;
+  /// So many of them that the client must be read no further for now: a few in lockstep, fewer
+  /// where frames are large.
+  [[nodiscard]] bool Full() const { return Backlog() >= max_backlog_; }
   [[nodiscard]] uint64_t next_frame() const;
 
-  /// Directs frames to `sink`, until Detach. A head without a sink stands still.
+  /// Directs frames to `sink`, until Detach. A head without a sink stands still. A head that has
+  /// ended tells the sink at once.
   void Attach(FrameSink* sink);
   /// Returns when no call of `sink` is under way; none follows. Nothing if another one took over.
   void Detach(FrameSink* sink);
@@ -79,7 +83,9 @@ class HeadSession : public std::enable_shared_from_this<HeadSession> {
 
  private:
   void RunTick(double due, double now);
-  void RunQueue();
+  // Lockstep: one command, then to the end of the pool's line: a client that always has more keeps
+  // no worker from other heads.
+  void RunCommand();
   // Runs `work` on the pool as this head's only task; a failed check ends the head.
   template <typename Work>
   void Start(Work work);
@@ -94,6 +100,7 @@ class HeadSession : public std::enable_shared_from_this<HeadSession> {
   const std::shared_ptr<const groom::Groom> groom_;
   const HeadOptions options_;
   exec::WorkerPool& pool_;
+  const int max_backlog_;
 
   // Owned by the running task.
   head::HeadState state_;
@@ -105,10 +112,11 @@ class HeadSession : public std::enable_shared_from_this<HeadSession> {
   bool placed_ = false;  // The first pose has come.
 
   mutable std::mutex mutex_;
-  bool running_ = false;
-  bool ended_ = false;
-  std::deque<Command> commands_;       // Lockstep: all; real time: all but plain poses.
-  MotionBuffer motion_;                // Real time.
+  bool running_ = false;          // A task works or waits for its turn.
+  bool in_hand_ = false;          // Lockstep: it works off a command, which is in neither queue.
+  std::optional<Error> end_;      // Why, once the head has ended.
+  std::deque<Command> commands_;  // Lockstep: all; real time: all but plain poses.
+  MotionBuffer motion_;           // Real time.
   std::optional<double> newest_time_;  // Client time of the newest pose.
   Mailbox mailbox_;
   uint64_t next_frame_ = 1;

@@ -41,13 +41,31 @@ Registry::~Registry() {
   lockstep_.WaitIdle();
 }
 
-Result<void> Registry::AdmitLocked(const groom::Groom& groom, const HeadOptions& options) {
+Result<Registry::Entries::iterator> Registry::AdmitLocked(const groom::Groom& groom,
+                                                          const HeadOptions& options,
+                                                          const std::string& request_id) {
   if (!admitting_) return Error{ErrorCode::kUnavailable, "the server is stopping", ""};
-  double load = RealtimeLoad(groom, options);
-  for (const auto& [id, entry] : entries_) {
-    if (entry.sink != nullptr) load += RealtimeLoad(entry.head->groom(), entry.head->options());
+  auto leaving = std::ranges::find_if(entries_, [&](const auto& item) {
+    return !request_id.empty() && item.second.request_id == request_id;
+  });
+  if (leaving == entries_.end() && static_cast<int>(entries_.size()) >= options_.max_heads) {
+    leaving = LongestDetached();
+    if (leaving == entries_.end()) {
+      return Error{ErrorCode::kResourceExhausted,
+                   fmt::format("the server holds {} heads, its limit; try again later, or another "
+                               "server",
+                               entries_.size()),
+                   ""};
+    }
   }
-  if (RealtimeLoad(groom, options) > 0 && load > options_.realtime_capacity) {
+  const double own = RealtimeLoad(groom, options);
+  double load = own;
+  for (auto item = entries_.begin(); item != entries_.end(); ++item) {
+    // Detached ones too: Resume asks no more.
+    const HeadSession& other = *item->second.head;
+    if (item != leaving) load += RealtimeLoad(other.groom(), other.options());
+  }
+  if (own > 0 && load > options_.realtime_capacity) {
     return Error{ErrorCode::kResourceExhausted,
                  fmt::format("with this head real-time heads would need {:.3g} element-steps a "
                              "second; the server has {:.3g}: ask for fewer substeps or a lower "
@@ -55,46 +73,41 @@ Result<void> Registry::AdmitLocked(const groom::Groom& groom, const HeadOptions&
                              load, options_.realtime_capacity),
                  "open"};
   }
-  if (static_cast<int>(entries_.size()) < options_.max_heads) return {};
-  const auto oldest = LongestDetached();
-  if (oldest == entries_.end()) {
-    return Error{ErrorCode::kResourceExhausted,
-                 fmt::format("the server holds {} heads, its limit; try again later, or another "
-                             "server",
-                             entries_.size()),
-                 ""};
-  }
-  entries_.erase(oldest);
-  return {};
+  return leaving;
 }
 
 Result<OpenedHead> Registry::Open(std::shared_ptr<const groom::Groom> groom,
                                   const HeadOptions& options, const std::string& request_id,
                                   FrameSink* sink) {
   if (const auto ok = AdmitHead(*groom, options); !ok) return ok.error();
-  std::lock_guard handover(handover_);
+  {
+    // Before the head is built, which takes time and memory, and, as others come and go meanwhile,
+    // once more below.
+    std::lock_guard lock(mutex_);
+    if (const auto ok = AdmitLocked(*groom, options, request_id); !ok) return ok.error();
+  }
   const uint64_t id = next_id_++;
   exec::WorkerPool& pool = options.pacing == Pacing::kRealtime ? realtime_ : lockstep_;
   const OpenedHead opened{
       std::make_shared<HeadSession>(fmt::format("heads/{}", id), groom, options, pool),
       MakeToken()};
+  std::lock_guard handover(handover_);
   std::shared_ptr<HeadSession> replaced;
   {
     std::lock_guard lock(mutex_);
-    const auto same = std::ranges::find_if(entries_, [&](const auto& item) {
-      return !request_id.empty() && item.second.request_id == request_id;
-    });
-    if (same != entries_.end()) {
-      replaced = same->second.head;
-      entries_.erase(same);
+    const auto leaving = AdmitLocked(*groom, options, request_id);
+    if (!leaving) return leaving.error();
+    if (*leaving != entries_.end()) {
+      replaced = std::move((*leaving)->second.head);
+      entries_.erase(*leaving);
     }
-    if (const auto ok = AdmitLocked(*groom, options); !ok) return ok.error();
     Entry& entry = entries_[id];
     entry = {opened.head, opened.resume_token, request_id, sink, 0, 0};
     Schedule(id, entry);
   }
   opened.head->Attach(sink);
   if (replaced) {
+    // Nobody hears this of a head that only made room: it was detached.
     replaced->End({ErrorCode::kCancelled, "opened again with the same request_id", "open"});
   }
   return opened;

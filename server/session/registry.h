@@ -18,8 +18,11 @@ namespace mane::session {
 struct RegistryOptions {
   int max_heads = 1000;      ///< Open at once, detached ones included; 1 to 100,000.
   double resume_grace = 10;  ///< How long a head waits for its broken stream to come back [s].
-  /// Element-steps a second that all attached real-time heads may need together (admission.h).
-  double realtime_capacity = 1e6;
+  /// Element-steps a second that all real-time heads may need together, those that wait for their
+  /// client included (admission.h). The default is less than half of what one core steps with
+  /// vector kernels: the costs are estimates, and heads that fall due at once should not make each
+  /// other late.
+  double realtime_capacity = 1e7;
 };
 
 /// A head and the secret with which a broken stream comes back to it.
@@ -42,10 +45,11 @@ class Registry {
   ~Registry();
 
   /// A new head with `sink` attached. A `request_id` that is already open is taken for the lost
-  /// first try of the same call, and ended. At `max_heads` the head that has waited longest for its
-  /// client makes room. kResourceExhausted when none waits, when the head alone is too much
-  /// (AdmitHead), or when real-time heads would need more than `realtime_capacity`; kUnavailable
-  /// once StopAdmitting was called.
+  /// first try of the same call, and ended if this one is admitted. At `max_heads` the head that
+  /// has waited longest for its client makes room. kResourceExhausted when none waits, when the
+  /// head alone is too much (AdmitHead), or when real-time heads would need more than
+  /// `realtime_capacity`, of which detached ones keep their share for Resume; kUnavailable once
+  /// StopAdmitting was called.
   Result<OpenedHead> Open(std::shared_ptr<const groom::Groom> groom, const HeadOptions& options,
                           const std::string& request_id, FrameSink* sink);
   /// The detached head of `resume_token`, attached to `sink`. A stream that still holds it is
@@ -87,15 +91,18 @@ class Registry {
   // Sets the first tick of a newly attached head and has the clock look at it.
   void Schedule(uint64_t id, Entry& entry);
 
-  // What keeps a head out, if anything does; makes room by ending a detached one. With `mutex_`.
-  Result<void> AdmitLocked(const groom::Groom& groom, const HeadOptions& options);
+  // What keeps a head out, if anything does; else the entry that leaves for it, or end(): the one
+  // of the same `request_id`, or at `max_heads` the one detached longest. Changes nothing, so that
+  // who is refused harms nobody. With `mutex_`.
+  Result<Entries::iterator> AdmitLocked(const groom::Groom& groom, const HeadOptions& options,
+                                        const std::string& request_id);
 
   const RegistryOptions options_;
   exec::WorkerPool& realtime_;
   exec::WorkerPool& lockstep_;
 
-  // Held by Open and Resume from end to end, so that two streams which want one head get it one
-  // after the other. Taken before every other lock.
+  // Held by Open, once it has built its head, and by Resume until they have attached, so that two
+  // streams which want one head get it one after the other. Taken before every other lock.
   std::mutex handover_;
 
   mutable std::mutex mutex_;

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
@@ -12,6 +13,7 @@
 #include <utility>
 
 #include "head/sample_groom.h"
+#include "session/admission.h"
 
 namespace mane::session {
 namespace {
@@ -70,6 +72,35 @@ class TestStream final : public FrameSink {
   std::shared_ptr<HeadSession> head_;
 };
 
+// A lockstep client that always has more poses waiting.
+class TirelessStream final : public FrameSink {
+ public:
+  void Run(HeadSession* head) {
+    head_ = head;
+    OnProgress();
+  }
+  void Stop() { stopped_ = true; }
+  void OnProgress() override {
+    HeadSession* head = head_;
+    if (head == nullptr) return;
+    while (head->TakeFrame().frame) ++frames_;
+    std::lock_guard lock(mutex_);
+    while (!stopped_ && head->Backlog() < 8) {
+      EXPECT_TRUE(head->Submit(PoseCommand{++poses_ / 60.0, {}}));
+    }
+  }
+  void OnNotice(const Notice& /*notice*/) override {}
+  void OnEnd(const Error& /*error*/) override {}
+  [[nodiscard]] int frames() const { return frames_; }
+
+ private:
+  std::atomic<HeadSession*> head_ = nullptr;
+  std::atomic<bool> stopped_ = false;
+  std::atomic<int> frames_ = 0;
+  std::mutex mutex_;
+  int poses_ = 0;
+};
+
 class RegistryTest : public ::testing::Test {
  protected:
   std::shared_ptr<HeadSession> Open(Registry& registry, TestStream& stream, Pacing pacing,
@@ -122,6 +153,25 @@ TEST_F(RegistryTest, LockstepGivesOneFrameAPoseAndReplaysTheSameBits) {
   EXPECT_NE(runs[0][10]->data, runs[0][20]->data);
 }
 
+TEST_F(RegistryTest, ALockstepHeadThatAlwaysHasMoreLeavesOthersTheirTurn) {
+  exec::WorkerPool one(1);
+  Registry registry({}, pool_, one);
+  TirelessStream busy;
+  HeadOptions options;
+  options.pacing = Pacing::kLockstep;
+  const auto tireless = registry.Open(groom_, options, "", &busy);
+  ASSERT_TRUE(tireless);
+  busy.Run(tireless->head.get());
+  TestStream stream;
+  const auto head = Open(registry, stream, Pacing::kLockstep);
+  for (int i = 0; i < 5; ++i) EXPECT_TRUE(head->Submit(Pose(i)));
+  EXPECT_TRUE(stream.WaitForFrames(5));
+  EXPECT_GT(busy.frames(), 0);
+  busy.Stop();
+  registry.Close(tireless->head, &busy);
+  registry.Close(head, &stream);
+}
+
 TEST_F(RegistryTest, TimesMustIncreaseAndLockstepGapsAreLimited) {
   Registry registry({}, pool_, pool_);
   TestStream stream;
@@ -133,6 +183,9 @@ TEST_F(RegistryTest, TimesMustIncreaseAndLockstepGapsAreLimited) {
     EXPECT_EQ(result.error().code, ErrorCode::kInvalidArgument);
     EXPECT_EQ(result.error().field, "pose.time_s");
   }
+  const auto back = head->Submit(PoseCommand{4, {}, /*teleport=*/true});
+  ASSERT_FALSE(back);
+  EXPECT_EQ(back.error().field, "teleport.time_s");
   EXPECT_TRUE(head->Submit(PoseCommand{100, {}, /*teleport=*/true}));
   EXPECT_TRUE(head->Submit(PoseCommand{101, {}}));
   registry.Close(head, &stream);
@@ -246,6 +299,16 @@ TEST_F(RegistryTest, ResumingTakesTheHeadFromAStreamThatStillHoldsIt) {
   registry.Close(head, &second);
 }
 
+TEST_F(RegistryTest, AStreamThatComesToAnEndedHeadIsTold) {
+  const auto head = std::make_shared<HeadSession>("heads/1", groom_, HeadOptions(), pool_);
+  head->End({ErrorCode::kUnavailable, "the server is stopping", ""});
+  head->End({ErrorCode::kInternal, "too late", ""});
+  TestStream stream;
+  head->Attach(&stream);
+  ASSERT_TRUE(stream.end_);
+  EXPECT_EQ(stream.end_->code, ErrorCode::kUnavailable);
+}
+
 TEST_F(RegistryTest, HeadsWithoutAStreamExpire) {
   Registry registry({.max_heads = 10, .resume_grace = 0.01}, pool_, pool_);
   TestStream stream;
@@ -270,7 +333,8 @@ TEST_F(RegistryTest, TheLimitRefusesButDetachedHeadsMakeRoom) {
   EXPECT_EQ(refused.error().code, ErrorCode::kResourceExhausted);
   registry.Leave(second, &b);
   const auto third = Open(registry, c, Pacing::kLockstep);
-  EXPECT_NE(third, nullptr);
+  ASSERT_NE(third, nullptr);
+  EXPECT_EQ(third->name(), "heads/3");  // What is refused is not built, and takes no name.
   EXPECT_EQ(registry.head_count(), 2);
   registry.Close(first, &a);
   registry.Close(third, &c);
@@ -278,23 +342,52 @@ TEST_F(RegistryTest, TheLimitRefusesButDetachedHeadsMakeRoom) {
 }
 
 TEST_F(RegistryTest, RealtimeHeadsAreAdmittedByWhatTheyNeed) {
-  // 12 guides of 4 elements at 120 Hz need 5760 element-steps a second.
-  Registry registry({.max_heads = 10, .resume_grace = 60, .realtime_capacity = 12000}, pool_,
+  // 12 guides of 4 elements and 16 points at 120 Hz need 257,280 element-steps a second: 48 a step,
+  // 2000 a frame, 96 for its points.
+  Registry registry({.max_heads = 10, .resume_grace = 60, .realtime_capacity = 600'000}, pool_,
                     pool_);
   TestStream a, b, c;
   const auto first = Open(registry, a, Pacing::kRealtime);
   const auto second = Open(registry, b, Pacing::kRealtime);
+  const std::string second_token = token_;
   HeadOptions third;
   third.rate_hz = 120;
   const auto refused = registry.Open(groom_, third, "", &c);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kResourceExhausted);
   const auto lockstep = Open(registry, c, Pacing::kLockstep);  // Takes none of it.
+  // A head that waits for its client keeps its share until it is gone.
+  TestStream d;
+  registry.Leave(second, &b);
+  EXPECT_FALSE(registry.Open(groom_, third, "", &d));
+  EXPECT_TRUE(registry.Resume(second_token, &b));
   registry.Close(first, &a);
   const auto again = Open(registry, a, Pacing::kRealtime);
+  ASSERT_NE(again, nullptr);
   for (const auto& [head, stream] : {std::pair{second, &b}, {lockstep, &c}, {again, &a}}) {
     registry.Close(head, stream);
   }
+}
+
+TEST_F(RegistryTest, ALoadCountsStepsFramesAndPoints) {
+  HeadOptions options;
+  const auto load = [&] { return RealtimeLoad(*groom_, options); };
+  EXPECT_DOUBLE_EQ(load(), 60 * (48 + 2000 + 12 * 16 / 2));
+  options.view.points_per_guide = 256;
+  EXPECT_DOUBLE_EQ(load(), 60 * (48 + 2000 + 12 * 256 / 2));
+  options.view.format = head::FrameFormat::kGeneralized;
+  EXPECT_DOUBLE_EQ(load(), 60 * (48 + 2000 + 48 / 2));
+  options.substeps = 3;
+  EXPECT_DOUBLE_EQ(load(), 60 * (48 * 3 + 2000 + 48 / 2));
+  options.rate_hz = 2;  // Half a second takes thirty of the longest steps.
+  EXPECT_DOUBLE_EQ(load(), 2 * (48 * 30 + 2000 + 48 / 2));
+  options.pacing = Pacing::kLockstep;
+  EXPECT_EQ(load(), 0);
+}
+
+TEST_F(RegistryTest, EightHeadsOfAHundredGuidesFitWithAmpleRoom) {
+  EXPECT_LT(8 * RealtimeLoad(*head::SampleGroom(100, 5), {}),
+            RegistryOptions().realtime_capacity / 5);
 }
 
 TEST_F(RegistryTest, FramesThatAreTooMuchWorkOrTooLargeAreRefused) {
@@ -312,17 +405,50 @@ TEST_F(RegistryTest, FramesThatAreTooMuchWorkOrTooLargeAreRefused) {
   EXPECT_EQ(refused_field(1'000'000, 16), "open.substeps");
   EXPECT_EQ(refused_field(1, 200'000), "open.points_per_guide");
 
-  HeadOptions options;
-  options.pacing = Pacing::kLockstep;
-  options.substeps = 100'000;
-  const auto opened = registry.Open(groom_, options, "", &stream);
-  ASSERT_TRUE(opened);
-  ASSERT_TRUE(opened->head->Submit(PoseCommand{0, {}}));
-  const auto result = opened->head->Submit(PoseCommand{0.5, {}});  // Five times as many steps.
+  EXPECT_TRUE(AdmitFrame(*groom_, {{}, 1, 1}));
+  const auto result = AdmitFrame(*groom_, {{}, 5000, 1});  // 300,000 of the longest steps.
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().code, ErrorCode::kResourceExhausted);
   EXPECT_EQ(result.error().field, "pose.time_s");
-  registry.Close(opened->head, &stream);
+}
+
+TEST_F(RegistryTest, AHeadOfLargeFramesHoldsFewerOfThem) {
+  head::View view;
+  EXPECT_EQ(FrameWindow(*groom_, view, 8), 8);
+  view.points_per_guide = 50'000;  // 7.2 MB a frame: four of them in 32 MiB.
+  EXPECT_EQ(FrameWindow(*groom_, view, 8), 4);
+  EXPECT_EQ(FrameWindow(*groom_, view, 3), 3);
+  view.points_per_guide = 1'000'000;  // More than are admitted.
+  EXPECT_EQ(FrameWindow(*groom_, view, 8), 1);
+
+  Registry registry({}, pool_, pool_);
+  TestStream lockstep, realtime;
+  HeadOptions options;
+  options.view.points_per_guide = 100'000;  // 14.4 MB: two.
+  options.max_unacked = 16;
+  options.rate_hz = 10;
+  const auto newest = registry.Open(groom_, options, "", &realtime);
+  ASSERT_TRUE(newest);
+  realtime.Follow(newest->head);
+  options.pacing = Pacing::kLockstep;
+  const auto ordered = registry.Open(groom_, options, "", &lockstep);
+  ASSERT_TRUE(ordered);
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_FALSE(ordered->head->Full());
+    ASSERT_TRUE(ordered->head->Submit(Pose(i)));
+  }
+  EXPECT_TRUE(ordered->head->Full());
+  lockstep.Follow(ordered->head);
+  lockstep.OnProgress();
+  ASSERT_TRUE(lockstep.WaitForFrames(2));
+  const auto deadline = std::chrono::steady_clock::now() + seconds(20);
+  while (newest->head->next_frame() < 5 && std::chrono::steady_clock::now() < deadline) {
+    std::this_thread::yield();
+  }
+  EXPECT_GE(newest->head->next_frame(), 5u);
+  EXPECT_EQ(realtime.frames().size(), 2u);
+  registry.Close(newest->head, &realtime);
+  registry.Close(ordered->head, &lockstep);
 }
 
 TEST_F(RegistryTest, ASlowRateMovesHairAllTheSame) {
@@ -376,6 +502,32 @@ TEST_F(RegistryTest, OpeningAgainWithARequestIdReplacesTheLostTry) {
   EXPECT_EQ(registry.head_count(), 1);
   ASSERT_TRUE(again.WaitForFrames(2));
   registry.Close(head, &again);
+}
+
+TEST_F(RegistryTest, AReplacementThatIsRefusedLeavesTheOldHeadAlone) {
+  HeadOptions options;
+  options.rate_hz = 120;
+  const double load = RealtimeLoad(*groom_, options);
+  Registry registry({.max_heads = 1, .resume_grace = 60, .realtime_capacity = 1.5 * load}, pool_,
+                    pool_);
+  TestStream first, second, third;
+  const auto head = Open(registry, first, Pacing::kRealtime, "try-1");
+  options.rate_hz = 240;
+  const auto refused = registry.Open(groom_, options, "try-1", &second);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kResourceExhausted);
+  EXPECT_EQ(registry.head_count(), 1);
+  EXPECT_FALSE(first.end_);
+  const uint64_t last = head->next_frame() + 3;
+  ASSERT_TRUE(first.WaitFor([&](const TestStream& s) {  // It goes on,
+    return !s.frames_.empty() && head->Acknowledge(s.frames_.back()->index) &&
+           s.frames_.back()->index >= last;
+  }));
+  // and an equal one takes its place, as what leaves needs nothing more.
+  const auto replacement = Open(registry, third, Pacing::kRealtime, "try-1");
+  ASSERT_NE(replacement, nullptr);
+  ASSERT_TRUE(first.WaitFor([](const TestStream& s) { return s.end_.has_value(); }));
+  registry.Close(replacement, &third);
 }
 
 TEST_F(RegistryTest, AFaultEndsOneHeadAndNoOther) {

@@ -2,6 +2,8 @@
 
 #if defined(__AVX2__)
 #include <immintrin.h>
+#elif defined(__aarch64__)
+#include <arm_neon.h>
 #endif
 
 /// Vectors of W numbers, one per lane. Only for sources that are compiled once for each instruction
@@ -39,6 +41,28 @@ template <typename V, typename T>
 [[gnu::always_inline]] inline void Store(const V& v, T* target) {
   __builtin_memcpy(__builtin_assume_aligned(target, sizeof(V)), &v, sizeof(V));
 }
+
+/// Square roots of all lanes.
+[[gnu::always_inline]] inline float Sqrt(float x) { return __builtin_sqrtf(x); }
+[[gnu::always_inline]] inline double Sqrt(double x) { return __builtin_sqrt(x); }
+#if defined(__AVX2__)
+[[gnu::always_inline]] inline Lanes<float, 8> Sqrt(Lanes<float, 8> x) { return _mm256_sqrt_ps(x); }
+[[gnu::always_inline]] inline Lanes<double, 4> Sqrt(Lanes<double, 4> x) {
+  return _mm256_sqrt_pd(x);
+}
+#endif
+#if defined(__AVX512F__)  // The unmasked ones of GCC 12 warn of themselves.
+[[gnu::always_inline]] inline Lanes<float, 16> Sqrt(Lanes<float, 16> x) {
+  return _mm512_maskz_sqrt_ps(0xffff, x);
+}
+[[gnu::always_inline]] inline Lanes<double, 8> Sqrt(Lanes<double, 8> x) {
+  return _mm512_maskz_sqrt_pd(0xff, x);
+}
+#endif
+#if defined(__aarch64__)
+[[gnu::always_inline]] inline Lanes<float, 4> Sqrt(Lanes<float, 4> x) { return vsqrtq_f32(x); }
+[[gnu::always_inline]] inline Lanes<double, 2> Sqrt(Lanes<double, 2> x) { return vsqrtq_f64(x); }
+#endif
 
 /// Whether any lane of a comparison holds.
 template <typename M>

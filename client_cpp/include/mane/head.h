@@ -34,13 +34,22 @@ enum class Space {
 
 /// What surrounds the hair. Unset fields stay as they are.
 struct Environment {
-  /// Uniform, world [m/s], each component within ±100.
+  /// Mean air velocity, world [m/s], each component within ±100.
   std::optional<Vector3> wind_velocity = std::nullopt;
   /// World [m/s^2], each within ±1000; first (0, -9.81, 0).
   std::optional<Vector3> gravity = std::nullopt;
   /// Factors on every guide's own number, 0 to 1000; first 1.
   std::optional<double> internal_friction_scale = std::nullopt;
   std::optional<double> air_drag_scale = std::nullopt;
+  /// Gusts: rms of the relative change of the mean wind's speed, 0 to 2, first 0; their middle
+  /// period [s], 0.1 to 100, first 2.
+  std::optional<double> gust_strength = std::nullopt;
+  std::optional<double> gust_period_s = std::nullopt;
+  /// Eddies: rms speed [m/s], 0 to 50, first 0; their middle size [m], 0.01 to 100, first 0.3.
+  std::optional<double> turbulence_speed = std::nullopt;
+  std::optional<double> turbulence_size_m = std::nullopt;
+  /// Decides gusts and eddies; first 0.
+  std::optional<std::uint64_t> wind_seed = std::nullopt;
 };
 
 /// How to animate a head. Zeros let the server choose.

@@ -79,6 +79,11 @@ def environment(value: Environment) -> animation_pb2.Environment:
     message = animation_pb2.Environment(
         internal_friction_scale=value.internal_friction_scale,
         air_drag_scale=value.air_drag_scale,
+        gust_strength=value.gust_strength,
+        gust_period_s=value.gust_period_s,
+        turbulence_speed=value.turbulence_speed,
+        turbulence_size_m=value.turbulence_size_m,
+        wind_seed=value.wind_seed,
     )
     if value.wind_velocity is not None:
         message.wind_velocity.CopyFrom(vector3(value.wind_velocity, "wind_velocity"))

@@ -38,15 +38,25 @@ class Environment:
     """What surrounds the hair. None leaves a value as it is.
 
     Attributes:
-      wind_velocity: uniform air velocity, world [m/s], (3,), each within ±100.
+      wind_velocity: mean air velocity, world [m/s], (3,), each within ±100.
       gravity: world [m/s^2], (3,), each within ±1000; at first (0, -9.81, 0).
       internal_friction_scale, air_drag_scale: factors on every guide's own, 0 to 1000; at first 1.
+      gust_strength: rms of the relative change of the mean wind's speed, 0 to 2; at first 0.
+      gust_period_s: middle period of gusts [s], 0.1 to 100; at first 2.
+      turbulence_speed: rms speed of eddies [m/s], 0 to 50; at first 0.
+      turbulence_size_m: their middle size [m], 0.01 to 100; at first 0.3.
+      wind_seed: decides gusts and eddies; at first 0.
     """
 
     wind_velocity: ArrayLike | None = None
     gravity: ArrayLike | None = None
     internal_friction_scale: float | None = None
     air_drag_scale: float | None = None
+    gust_strength: float | None = None
+    gust_period_s: float | None = None
+    turbulence_speed: float | None = None
+    turbulence_size_m: float | None = None
+    wind_seed: int | None = None
 
 
 def vector(name: str, values: ArrayLike, size: int) -> np.ndarray:

@@ -1,0 +1,130 @@
+// Mane's own rows of the comparison with other rod codes: one strand, clamped horizontally, that
+// settles under gravity, and the cost of its step. Prints one JSON object; peers.py merges it.
+//
+// Engine is the one place that knows which integrator runs.
+
+#include <fmt/format.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <string>
+#include <vector>
+
+#include "rod/chain.h"
+#include "rod/step.h"
+#include "rod/strand.h"
+
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kLength = 0.2;        // [m]
+constexpr double kRadius = 35e-6;      // [m]
+constexpr double kSettling = 10;       // [s]
+constexpr double kDt = 1.0 / 60;       // [s]
+constexpr double kDragRate = 5;        // nu / (rho S) while the strand settles [1/s].
+constexpr double kFriction = 1e-10;    // gamma [kg m^3/s]
+constexpr double kRestSpeed = 1e-3;    // Of the last element, in radians a second.
+constexpr double kMeasuredTime = 0.1;  // Processor time of one repetition [s].
+constexpr int kRepetitions = 7;
+
+mane::rod::Strand MakeStrand(int elements) {
+  const mane::rod::Section section{kRadius, kRadius};
+  const mane::rod::Material material{4e9, 0.48, 1300};
+  mane::rod::Strand strand;
+  strand.length.assign(elements, kLength / elements);
+  strand.natural.assign(elements, Vector3d::Zero());
+  strand.stiffness = Stiffness(section, material);
+  strand.linear_density = LinearDensity(section, material);
+  strand.internal_friction = kFriction;
+  strand.air_drag = kDragRate * strand.linear_density;
+  return strand;
+}
+
+// The strands that are stepped, from their natural shape at rest: the tangent is world x, gravity
+// along -z.
+class Engine {
+ public:
+  static constexpr const char* kName = "mane, reference (double, scalar)";
+  static constexpr int kStrands = 1;
+
+  explicit Engine(int elements)
+      : strand_(MakeStrand(elements)),
+        theta_(elements, Vector3d::Zero()),
+        rate_(theta_),
+        velocity_(elements * mane::rod::kGaussPoints, Vector3d::Zero()) {
+    air_.gravity = {0, 0, -9.81};
+  }
+
+  /// Advances every strand by one step. Whether the state is finite.
+  bool Step() {
+    return mane::rod::Step(strand_, {{}, {}, kDt}, air_, {theta_, rate_, velocity_}, scratch_);
+  }
+
+  [[nodiscard]] Vector3d Tip() const { return ElementFrames(strand_, {}, theta_).back().r; }
+
+  [[nodiscard]] double Speed() const { return rate_.back().norm(); }
+
+ private:
+  mane::rod::Strand strand_;
+  std::vector<Vector3d> theta_, rate_, velocity_;
+  mane::rod::Surroundings air_;
+  mane::rod::StepScratch scratch_;
+};
+
+// Processor time of this thread [s].
+double CpuTime() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+// Median processor time of one strand's step [us], from rest on: the cost does not depend on the
+// state.
+double MicrosecondsPerStep(Engine& engine) {
+  std::vector<double> times;
+  for (int i = 0; i < kRepetitions; ++i) {
+    const double start = CpuTime();
+    double end = start;
+    int steps = 0;
+    for (; end < start + kMeasuredTime; steps += 100, end = CpuTime()) {
+      for (int j = 0; j < 100; ++j) (void)engine.Step();
+    }
+    times.push_back((end - start) * 1e6 / steps / Engine::kStrands);
+  }
+  std::nth_element(times.begin(), times.begin() + kRepetitions / 2, times.end());
+  return times[kRepetitions / 2];
+}
+
+std::string Row(int elements, double reference_x, double reference_z) {
+  Engine engine(elements);
+  bool ok = true;
+  for (int i = 0; ok && i < kSettling / kDt; ++i) ok = engine.Step();
+  ok = ok && engine.Speed() < kRestSpeed;
+  const Vector3d tip = engine.Tip();
+  const double error = std::hypot(tip.x() - reference_x, tip.y(), tip.z() - reference_z) / kLength;
+  return fmt::format(
+      R"({{"name": "{}", "segments": {}, "dt": {:.9g}, "us_per_strand_step": {:.6g}, )"
+      R"("tip_error_over_L": {}}})",
+      Engine::kName, elements, kDt, MicrosecondsPerStep(engine),
+      ok ? fmt::format("{:.6g}", error) : "null");
+}
+
+}  // namespace
+
+// peers X Z N...: the exact tip [m], then the numbers of elements.
+int main(int argc, char** argv) {
+  if (argc < 4) {
+    fmt::print(stderr, "usage: peers X Z N...\n");
+    return 2;
+  }
+  std::string rows;
+  for (int i = 3; i < argc; ++i) {
+    if (i > 3) rows += ", ";
+    rows += Row(std::stoi(argv[i]), std::stod(argv[1]), std::stod(argv[2]));
+  }
+  fmt::print("{{\"rows\": [{}]}}\n", rows);
+}

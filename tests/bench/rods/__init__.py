@@ -1,0 +1,1 @@
+"""One hair strand in several rod codes, for tests/bench/peers.py."""
