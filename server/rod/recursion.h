@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "math/rigid.h"
-#include "rod/gauss.h"
+#include "rod/scheme.h"
 #include "rod/step.h"
 #include "rod/strand.h"
 
@@ -67,7 +67,7 @@ struct Cost {
 template <int n>
 void AddInertia(const LinearElement<n>& element, double scale, const Vector3d* u, Cost<n>* cost) {
   for (int g = 0; g < kGaussPoints; ++g) {
-    const double m = element.mass * Gauss().weights[g], M = m * scale;
+    const double m = element.mass * kGauss.weights[g], M = m * scale;
     const auto& J = element.J[g];
     const Vector3d& r = element.r[g];
     const Matrix3d rx = math::Cross(r);

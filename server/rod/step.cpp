@@ -29,7 +29,7 @@ void Linearise(const Strand& strand, const Matrix3d& root, double h, const Stran
     element.c = l * (R * end.c);
     element.G = l * R * end.G;
     for (int g = 0; g < kGaussPoints; ++g) {
-      const ElementPoint point = PointOnElement(theta, Gauss().nodes[g]);
+      const ElementPoint point = PointOnElement(theta, kGauss.nodes[g]);
       element.r[g] = l * (R * point.p);
       element.J[g] = l * R * point.J;
     }

@@ -36,7 +36,7 @@ void Linearise(const WoundStrand& wound, const Matrix3d& root, double h, const W
     element.c = l * (A * end.c);
     element.G = l * A * end.G;
     for (int g = 0; g < kGaussPoints; ++g) {
-      const CoilPoint bead = PointOnCoil(axis, Gauss().nodes[g], BeadOffset(wound.coil, g) / l);
+      const CoilPoint bead = PointOnCoil(axis, kGauss.nodes[g], BeadOffset(wound.coil, g) / l);
       element.r[g] = l * (A * bead.p);
       element.J[g] = l * A * bead.J;
     }
