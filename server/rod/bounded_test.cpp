@@ -4,48 +4,22 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
 
 #include "rod/chain.h"
 #include "rod/step.h"
+#include "rod/test_motions.h"
 #include "rod/test_strands.h"
 
 namespace mane::rod {
 namespace {
 
-using Eigen::Quaterniond;
 using Eigen::Vector3d;
+using fixtures::Motion;
+using fixtures::Shake;
+using fixtures::SnapTurn;
+using fixtures::Spin;
 using fixtures::State;
-
-// Root pose at frame `i` of frames `dt` [s] apart.
-using Motion = std::function<math::Pose(int i, double dt)>;
-
-math::Pose Shake(int i, double dt) {  // 4 Hz, 10 cm to either side.
-  return {{0.1 * std::sin(2 * M_PI * 4 * i * dt), 0, 0}, Quaterniond::Identity()};
-}
-
-math::Pose SnapTurn(int i, double dt) {  // Ninety degrees in 0.2 s to and fro, 10 cm off the axis.
-  const double phase = std::fmod(i * dt, 0.8);
-  const double part = phase < 0.2   ? phase / 0.2
-                      : phase < 0.4 ? 1
-                      : phase < 0.6 ? 3 - phase / 0.2
-                                    : 0;
-  const Quaterniond q(Eigen::AngleAxisd(part * M_PI / 2, Vector3d::UnitY()));
-  return {q * Vector3d(0.1, 0, 0), q};
-}
-
-math::Pose Teleport(int i, double) {  // A metre and any turn within one step, each half second.
-  fixtures::Random random(i / 15);
-  return {random.Direction(), random.Rotation()};
-}
-
-math::Pose Spin(int i, double) {  // Nearly half a turn every step, about changing axes.
-  Quaterniond q = Quaterniond::Identity();
-  fixtures::Random random(i / 50);
-  const Eigen::AngleAxisd turn(0.99 * M_PI, random.Direction());
-  for (int k = 0; k < i % 50; ++k) q = turn * q;
-  return {{0, 0, 0}, q};
-}
+using fixtures::Teleport;
 
 // Checks all inter-point distances of a polyline along the strand against arc length.
 void ExpectOfItsLength(const Strand& strand, const math::Pose& clamp, const State& state) {

@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 
 #include <cmath>
+#include <complex>
 
 #include "base/check.h"
 #include "math/rigid.h"
@@ -78,9 +79,14 @@ CoilPoint PointOnCoil(const CoilAxis& axis, double s, const Vector3d& offset) {
   return point;
 }
 
-CoilCentre CentreOfCoil(const CoilAxis& axis) {
+CoilEnd EndOfCoil(const CoilAxis& axis) {
   const ElementEnd helix = EndOfElement(axis.beta);
-  return {axis.stretch * helix.c, Chain(axis.stretch * helix.G, helix.c, axis)};
+  return {helix.E,
+          helix.T * axis.dbeta,
+          axis.stretch * helix.p,
+          Chain(axis.stretch * helix.J, helix.p, axis),
+          axis.stretch * helix.c,
+          Chain(axis.stretch * helix.G, helix.c, axis)};
 }
 
 Vector3d BeadOffset(const Coil& coil, int g) {
@@ -103,6 +109,32 @@ Vector3d CoilOffset(const CoilAxis& axis, double phase) {
   const Vector3d sum_re = W2 * re - W * beta.cross(im) - beta * beta.dot(re);
   const Vector3d sum_im = W2 * im + W * beta.cross(re) - beta * beta.dot(im);
   return scale * (sum_im * std::cos(phase) + sum_re * std::sin(phase));
+}
+
+Vector3d HairOnCoil(const CoilAxis& axis, double phase, double s) {
+  const double bend = axis.beta.norm(), W = axis.winding;
+  if (bend < 0.5 * W) {
+    const Vector3d y = CoilOffset(axis, phase + W * s);
+    return PointOnCoil(axis, s, y).p - CoilOffset(axis, phase);
+  }
+  // Off the axis: the integral of exp(s [beta]) Re(v e^(i (phase + W s))), v = slant (0, 1, -i),
+  // for the parts of v along n = beta / |beta| and across it, which turn by e^(-+i |beta| s).
+  using std::complex;
+  using Vector3c = Eigen::Vector3cd;
+  const complex<double> i(0, 1);
+  const Vector3d n = axis.beta / bend;
+  const Vector3c v = axis.slant * std::exp(i * phase) * Vector3c(0, 1, -i);
+  const complex<double> nv = n.cast<complex<double>>().conjugate().dot(v);
+  const Vector3c along = nv * n, across = v - along;
+  const Vector3c turned = i * (math::Cross(n) * v);
+  const auto integral = [&](double rate) {  // Of e^(i rate s).
+    const double half = 0.5 * rate * s;
+    const double sinc = std::abs(half) < 1e-4 ? 1 - half * half / 6 : std::sin(half) / half;
+    return s * sinc * std::exp(i * half);
+  };
+  const Vector3c off = integral(W) * along + 0.5 * integral(W + bend) * (across - turned) +
+                       0.5 * integral(W - bend) * (across + turned);
+  return axis.stretch * PointOnElement(axis.beta, s).p + off.real();
 }
 
 Vector3d CoilTangent(const CoilAxis& axis, double phase) {

@@ -55,12 +55,17 @@ struct CoilPoint {
 /// axis frame there, such as a bead of (C7). [element lengths]
 [[nodiscard]] CoilPoint PointOnCoil(const CoilAxis& axis, double s, const Eigen::Vector3d& offset);
 
-/// Centre of mass (C8): the axis's, as a whole coil is balanced about it.
-struct CoilCentre {
+/// What the far end passes on (C4, C5), and the centre of mass (C8): the axis's, as a whole coil is
+/// balanced about it. As helix.h's ElementEnd.
+struct CoilEnd {
+  Eigen::Matrix3d E;
+  Matrix34d T;
+  Eigen::Vector3d p;
+  Matrix34d J;  ///< dp/dx
   Eigen::Vector3d c;
   Matrix34d G;  ///< dc/dx
 };
-[[nodiscard]] CoilCentre CentreOfCoil(const CoilAxis& axis);
+[[nodiscard]] CoilEnd EndOfCoil(const CoilAxis& axis);
 
 /// Beads that carry the inertia (C7): offset of Gauss point `g` from the axis [m].
 [[nodiscard]] Eigen::Vector3d BeadOffset(const Coil& coil, int g);
@@ -69,6 +74,10 @@ struct CoilCentre {
 /// from the axis, such that p + E y less its value at the left end is exactly as long as the hair.
 /// In the axis frame at that phase. [element lengths]
 [[nodiscard]] Eigen::Vector3d CoilOffset(const CoilAxis& axis, double phase);
+
+/// The hair from the element's left end, of that `phase`, to the fraction `s`: p + E y - y_left
+/// (C9), in the left axis frame, also where the axis turns as fast as the coil. [element lengths]
+[[nodiscard]] Eigen::Vector3d HairOnCoil(const CoilAxis& axis, double phase, double s);
 
 /// Tangent of the hair in the axis frame (C9).
 [[nodiscard]] Eigen::Vector3d CoilTangent(const CoilAxis& axis, double phase);

@@ -2,6 +2,7 @@
 //   reference    axis, frame and hair agree with an RK4 integration of A' = A [beta], r' = A t
 //   exactness    a coil that is only twisted and stretched is the plain helix of its strains
 //   derivatives  J, T, G and those of the axis agree with finite differences
+//   hair         also where C9 is singular
 //   length       the hair put around the axis is as long as its arc length, its tangent a unit one
 //   stiffness    whole turns comply as a chain of plain elements does, bent, twisted and pulled
 //   inertia      the beads have the coil's moments about its axis
@@ -70,12 +71,6 @@ Rk4State IntegrateRk4(const CoilAxis& axis, double phase, double s, int steps = 
   return y;
 }
 
-// The hair from the left end on: C9.
-Vector3d Hair(const CoilAxis& axis, double phase, double s) {
-  const CoilPoint point = PointOnCoil(axis, s, CoilOffset(axis, phase + axis.winding * s));
-  return point.p - CoilOffset(axis, phase);
-}
-
 TEST(CoilElementTest, AgreesWithRk4) {
   const Coil coil = AnyCoil();
   for (const Vector4d& x : States()) {
@@ -85,14 +80,29 @@ TEST(CoilElementTest, AgreesWithRk4) {
       const CoilPoint point = PointOnCoil(axis, s, Vector3d::Zero());
       EXPECT_LT((point.E - expected.A).norm(), 1e-11);
       EXPECT_LT((point.p - expected.axis).norm(), 1e-11);
-      EXPECT_LT((Hair(axis, 0.4, s) - expected.hair).norm(), 1e-11);
+      EXPECT_LT((HairOnCoil(axis, 0.4, s) - expected.hair).norm(), 1e-11);
     }
     const int points = 2000;  // Midpoint rule: error of second order.
     Vector3d mean = Vector3d::Zero();
     for (int i = 0; i < points; ++i) {
       mean += PointOnCoil(axis, (i + 0.5) / points, Vector3d::Zero()).p / points;
     }
-    EXPECT_LT((CentreOfCoil(axis).c - mean).norm(), 1e-6);
+    EXPECT_LT((EndOfCoil(axis).c - mean).norm(), 1e-6);
+  }
+}
+
+TEST(CoilElementTest, HairHoldsWhereTheAxisTurnsAsFastAsTheCoil) {
+  const Coil coil = AnyCoil();
+  const double W = coil.winding * kLength;
+  for (const double times : {0.49, 0.51, 1 - 1e-9, 1.0, 1 + 1e-6, 1.7}) {
+    for (const double u : {0.0, 0.3 * W}) {
+      const Vector4d x(u, times * 0.6 * W, -times * 0.8 * W, 0);
+      const CoilAxis axis = AxisOfElement(coil, kLength, x);
+      for (const double s : {0.0, 0.2, 1.0}) {
+        const Vector3d expected = IntegrateRk4(axis, 0.4, s).hair;
+        EXPECT_LT((HairOnCoil(axis, 0.4, s) - expected).norm(), 1e-10) << times;
+      }
+    }
   }
 }
 
@@ -106,7 +116,7 @@ TEST(CoilElementTest, IsThePlainHelixWhereItsAxisIsStraight) {
     const double tilt = std::atan2(x[3], axis.winding + x[0]);
     const Matrix3d frame = coil.F * Eigen::AngleAxisd(tilt, Vector3d::UnitZ()).toRotationMatrix();
     for (const double s : {0.3, 1.0}) {
-      EXPECT_LT((frame * Hair(axis, 0, s) - PointOnElement(theta, s).p).norm(), 1e-14);
+      EXPECT_LT((frame * HairOnCoil(axis, 0, s) - PointOnElement(theta, s).p).norm(), 1e-14);
     }
   }
 }
@@ -122,8 +132,8 @@ TEST(CoilElementTest, DerivativesAgreeWithFiniteDifferences) {
       const CoilAxis high = AxisOfElement(coil, kLength, x + h * Vector4d::Unit(i));
       EXPECT_LT((axis.dbeta.col(i) - (high.beta - low.beta) / (2 * h)).norm(), tolerance);
       EXPECT_NEAR(axis.dstretch[i], (high.stretch - low.stretch) / (2 * h), tolerance);
-      const Vector3d G = (CentreOfCoil(high).c - CentreOfCoil(low).c) / (2 * h);
-      EXPECT_LT((CentreOfCoil(axis).G.col(i) - G).norm(), tolerance);
+      const Vector3d G = (EndOfCoil(high).c - EndOfCoil(low).c) / (2 * h);
+      EXPECT_LT((EndOfCoil(axis).G.col(i) - G).norm(), tolerance);
       for (const double s : {0.3, 1.0}) {
         const CoilPoint point = PointOnCoil(axis, s, offset);
         const CoilPoint a = PointOnCoil(low, s, offset), b = PointOnCoil(high, s, offset);
@@ -144,7 +154,8 @@ TEST(CoilElementTest, TheHairKeepsItsLength) {
       const double phase = 1.1 + axis.winding * s;
       const Vector3d tangent = PointOnCoil(axis, s, Vector3d::Zero()).E * CoilTangent(axis, phase);
       EXPECT_NEAR(tangent.norm(), 1, 1e-14);
-      EXPECT_LT(((Hair(axis, 1.1, s + h) - Hair(axis, 1.1, s - h)) / (2 * h) - tangent).norm(),
+      EXPECT_LT(((HairOnCoil(axis, 1.1, s + h) - HairOnCoil(axis, 1.1, s - h)) / (2 * h) - tangent)
+                    .norm(),
                 1e-8);
     }
   }

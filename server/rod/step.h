@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "math/rigid.h"
-#include "rod/helix.h"
 #include "rod/scheme.h"
 #include "rod/strand.h"
 
@@ -36,21 +35,29 @@ struct ClampMotion {
   double dt;
 };
 
+/// An element of n unknowns, linearised at the extrapolated ones (rod.md, S2), and what its
+/// elimination leaves (S7). World coordinates, from the element's left end [m].
+template <int n>
+struct LinearElement {
+  double length;  ///< [m]
+  double mass;    ///< [kg]
+  Eigen::Matrix<double, n, n> K;
+  Eigen::Matrix<double, n, 1> strain;           ///< x - x^n at the start of the step.
+  Eigen::Vector3d d;                            ///< Right end.
+  Eigen::Matrix<double, 6, n> S;                ///< Right end's twist per rate.
+  Eigen::Vector3d c;                            ///< Centre of mass.
+  Eigen::Matrix<double, 3, n> G;                ///< Its velocity per rate.
+  Eigen::Vector3d r[kGaussPoints];              ///< Gauss points.
+  Eigen::Matrix<double, 3, n> J[kGaussPoints];  ///< Their velocity per rate.
+  Eigen::Matrix3d weight;         ///< Turning stiffness of weight at the right end (S9).
+  Eigen::Vector3d spin;           ///< Right end's extrapolated angular velocity [rad/s].
+  Eigen::Matrix<double, n, 6> L;  ///< rate = k - L V
+  Eigen::Matrix<double, n, 1> k;
+};
+
 /// Memory of one worker's steps; grows to the longest strand it has seen and is reused.
 struct StepScratch {
-  struct Element {
-    Eigen::Matrix3d R;              ///< Left frame at the linearisation, world.
-    Eigen::Vector3d d;              ///< Right end from left end, world [m].
-    Eigen::Matrix<double, 6, 3> S;  ///< Right end's twist per rate.
-    Eigen::Matrix<double, 3, 6> L;  ///< rate = k - L V
-    Eigen::Vector3d k;
-    Eigen::Matrix3d weight;           ///< Turning stiffness of weight at the right end (S9).
-    Eigen::Vector3d spin;             ///< Right end's extrapolated angular velocity, world [rad/s].
-    Eigen::Vector3d r[kGaussPoints];  ///< Gauss points from the left end, world [m].
-    Eigen::Matrix3d J[kGaussPoints];  ///< Their velocity per rate.
-  };
-  std::vector<Element> elements;
-  std::vector<ElementEnd> ends;
+  std::vector<LinearElement<3>> elements;
 };
 
 /// Advances one strand by one step. O(N); allocates only while `scratch` grows.

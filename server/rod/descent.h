@@ -1,0 +1,97 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "rod/statics.h"
+#include "rod/strand.h"
+
+/// The search for equilibrium (rod.md, Statics), of plain and of wound strands. Internal to this
+/// folder.
+namespace mane::rod::descent {
+
+inline constexpr int kMaxIterations = 200;
+inline constexpr double kTolerance = 1e-9;
+/// Curvature of the energy, relative to the elastic one, that counts as none.
+inline constexpr double kFlat = 1e-6;
+inline constexpr double kEscapeAngle = 0.1;  // rad
+
+/// A moment [N m] to measure the residual by: the weight's largest, or the natural shape's.
+inline double MomentScale(const Strand& strand, const Eigen::Vector3d& gravity) {
+  const double L = strand.TotalLength();
+  double scale = 0.5 * strand.linear_density * gravity.norm() * L * L;
+  for (const Eigen::Vector3d& natural : strand.natural) {
+    scale = std::max(scale, strand.stiffness.cwiseProduct(natural).cwiseAbs().maxCoeff());
+  }
+  return std::max(scale, strand.stiffness.minCoeff() / L);
+}
+
+template <class V>
+double Largest(std::span<const V> vectors) {
+  double largest = 0;
+  for (const V& v : vectors) largest = std::max(largest, v.cwiseAbs().maxCoeff());
+  return largest;
+}
+
+template <class V>
+double SquaredNorm(std::span<const V> vectors) {
+  double sum = 0;
+  for (const V& v : vectors) sum += v.squaredNorm();
+  return sum;
+}
+
+/// Newton's method with Levenberg's damping down to a local minimum of the energy.
+///
+/// @tparam Hessian    a ChainHessian<n>.
+/// @param scale       what the residual is relative to [N m].
+/// @param linearize   (Hessian&, unknowns): evaluates the energy there.
+/// @param x           in: where to start; out: the minimum [rad], (N).
+template <class Hessian, class Linearize>
+StaticsReport Descend(double scale, const Linearize& linearize,
+                      std::span<typename Hessian::Vector> x) {
+  using Vector = typename Hessian::Vector;
+  const size_t N = x.size();
+  std::vector<Vector> trial(x.begin(), x.end()), step(N);
+  Hessian here, there;
+  linearize(here, x);
+  double lambda = 1e-3;
+  StaticsReport report;
+  for (; report.iterations < kMaxIterations; ++report.iterations) {
+    report.residual = Largest(here.gradient()) / scale;
+    if (report.residual <= kTolerance) {
+      report.converged = here.Factor(kFlat);
+      if (report.converged) break;
+      // At a saddle there is no slope to follow: off along the most negative curvature.
+      (void)here.LowestEigenvalue(step);
+      for (size_t Q = 0; Q < N; ++Q) x[Q] += kEscapeAngle * step[Q];
+      linearize(here, x);
+      continue;
+    }
+    // Levenberg's damping, raised until the step is a descent that the energy confirms. Where
+    // rounding hides the energy's change, a smaller gradient confirms it.
+    bool accepted = false;
+    for (int attempt = 0; attempt < 40 && !accepted; ++attempt) {
+      if (here.Factor(lambda)) {
+        here.Solve(here.gradient(), step);
+        for (size_t Q = 0; Q < N; ++Q) trial[Q] = x[Q] - step[Q];
+        linearize(there, trial);
+        const double slack = 1e-13 * std::abs(here.energy());
+        accepted = there.energy() < here.energy() - slack ||
+                   (there.energy() <= here.energy() + slack &&
+                    SquaredNorm(there.gradient()) < SquaredNorm(here.gradient()));
+      }
+      lambda = accepted ? std::max(lambda * 0.2, 1e-12) : std::max(lambda * 5, 1e-12);
+    }
+    if (!accepted) break;
+    std::copy(trial.begin(), trial.end(), x.begin());
+    std::swap(here, there);
+  }
+  return report;
+}
+
+}  // namespace mane::rod::descent

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include <span>
+#include <vector>
+
+#include "rod/coil_element.h"
+#include "rod/step.h"
+#include "rod/strand.h"
+
+namespace mane::rod {
+
+/// Turns of a strand's natural shape about its coil's axis, |kappa^n| L / (2 pi); 0 where the
+/// natural curvatures differ from element to element or have no bend: no one coil describes those.
+[[nodiscard]] double NaturalTurns(const Strand& strand);
+
+/// Whether a strand is better modelled along its coil's axis (coil.md, Which strands): it winds
+/// more often than its elements can follow, and often enough that a coil's ends matter little.
+[[nodiscard]] bool IsWound(const Strand& strand);
+
+/// Constant description of a wound strand: a strand of one natural curvature, and its coil.
+struct WoundStrand {
+  Strand strand;
+  Coil coil;
+  Eigen::Vector3d root;  ///< Where the axis starts, in the clamp's frame (C10) [m].
+
+  [[nodiscard]] int elements() const { return strand.elements(); }
+};
+
+/// Needs NaturalTurns > 0, not IsWound: the kinematics hold for any coil.
+[[nodiscard]] WoundStrand MakeWound(Strand strand);
+
+/// What moves: views into arrays that the caller owns. The natural shape is x = 0.
+struct WoundState {
+  std::span<Vector4d> x;                ///< l (u, b1, b2, xi) of each element [rad], (N).
+  std::span<Vector4d> rate;             ///< dx/dt over the last step [rad/s], (N).
+  std::span<Eigen::Vector3d> velocity;  ///< Of the beads (C7), world [m/s], (N x kGaussPoints).
+};
+
+/// Memory of one worker's steps, as StepScratch.
+struct WoundScratch {
+  std::vector<LinearElement<4>> elements;
+};
+
+/// Advances one wound strand by one step, as Step of step.h does a plain one. O(N); allocates only
+/// while `scratch` grows.
+///
+/// @return false when the result is not finite; `state` is then unspecified and must be reset.
+[[nodiscard]] bool Step(const WoundStrand& wound, const ClampMotion& clamp, const Surroundings& air,
+                        WoundState state, WoundScratch& scratch);
+
+}  // namespace mane::rod
