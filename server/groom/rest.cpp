@@ -28,7 +28,7 @@ std::vector<Vector3d> NaturalAngles(const rod::Strand& strand) {
 void SetNatural(const Guide& guide, std::span<double> coordinates) {
   MANE_CHECK(static_cast<int>(coordinates.size()) == guide.coordinate_count());
   if (guide.wound) {
-    std::ranges::fill(coordinates, 0.0);
+    Flatten(guide.wound->natural, coordinates);
   } else {
     Flatten(NaturalAngles(guide.strand), coordinates);
   }
@@ -39,7 +39,7 @@ rod::StaticsReport SolveRest(const Guide& guide, const Vector3d& gravity,
   MANE_CHECK(static_cast<int>(coordinates.size()) == guide.coordinate_count());
   rod::StaticsReport report;
   if (guide.wound) {
-    std::vector<rod::Vector4d> x(guide.strand.elements(), rod::Vector4d::Zero());
+    std::vector<rod::Vector4d> x = guide.wound->natural;
     report = rod::SolveRestShape(*guide.wound, guide.root, gravity, x);
     Flatten(x, coordinates);
   } else {

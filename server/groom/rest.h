@@ -17,7 +17,7 @@ namespace mane::groom {
 rod::StaticsReport SolveRest(const Guide& guide, const Eigen::Vector3d& gravity,
                              std::span<double> coordinates);
 
-/// The natural shape: angles l kappa^n, or zeros of a wound guide.
+/// The natural shape: angles l kappa^n, or natural unknowns of a wound guide.
 void SetNatural(const Guide& guide, std::span<double> coordinates);
 
 }  // namespace mane::groom

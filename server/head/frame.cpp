@@ -15,15 +15,15 @@ using PoseRows = std::array<rod::Row<float>, rod::layout::kPoseRows>;
 
 constexpr int kBlocksPerPiece = 4;
 
-// Bytes of one guide of N elements.
-size_t GuideSize(const View& view, size_t N) {
+// Bytes of one guide of so many coordinates.
+size_t GuideSize(const View& view, size_t coordinates) {
   switch (view.format) {
     case FrameFormat::kPositionsFloat32:
       return wire::PositionsSize(view.points_per_guide);
     case FrameFormat::kPositionsQuantized16:
       return wire::QuantizedSize(view.points_per_guide);
     case FrameFormat::kGeneralized:
-      return wire::AnglesSize(N);
+      return wire::CoordinatesSize(coordinates);
   }
   MANE_CHECK(false);
 }
@@ -32,17 +32,18 @@ size_t GuideSize(const View& view, size_t N) {
 struct Scratch {
   std::vector<rod::Row<float>> positions;  // (points x 3)
   std::vector<Eigen::Vector3f> points;
-  std::vector<Eigen::Vector3d> theta;
+  std::vector<double> coordinates;
 };
 
-void EncodeBlockAngles(const groom::Groom& groom, const rod::Batch<float>::Block& block,
+void EncodeBlockCoordinates(const groom::Groom& groom, const rod::Batch<float>::Block& block,
                        const HeadState& state, std::span<std::byte> data, Scratch& scratch) {
-  scratch.theta.resize(block.elements);
   for (int lane = 0; lane < block.count; ++lane) {
     const int guide = block.strands[lane];
-    groom.batch.GetAngles(guide, state.guides, scratch.theta);
-    wire::EncodeAngles(scratch.theta, data.subspan(wire::AnglesSize(groom.first_element[guide]),
-                                                   wire::AnglesSize(block.elements)));
+    scratch.coordinates.resize(groom.guides[guide].coordinate_count());
+    groom.batch.GetCoordinates(guide, state.guides, scratch.coordinates);
+    const auto bytes = data.subspan(wire::CoordinatesSize(groom.first_coordinate[guide]),
+                                    wire::CoordinatesSize(scratch.coordinates.size()));
+    wire::EncodeCoordinates(scratch.coordinates, bytes);
   }
 }
 
@@ -50,10 +51,10 @@ void EncodeBlockPositions(const groom::Groom& groom, const rod::Batch<float>::Bl
                           const HeadState& state, const PoseRows& pose, const View& view,
                           std::span<std::byte> data, Scratch& scratch) {
   const int points = view.points_per_guide;
-  const size_t size = GuideSize(view, block.elements);
+  const size_t size = GuideSize(view, 0);
   scratch.positions.resize(static_cast<size_t>(3) * points);
   scratch.points.resize(points);
-  Kernels().sample(block.elements, groom.batch.constants(block), pose[0].lane,
+  Kernels().Of(block.kind).sample(block.elements, groom.batch.constants(block), pose[0].lane,
                    state.guides[block.state].lane, points, scratch.positions[0].lane);
   for (int lane = 0; lane < block.count; ++lane) {
     const rod::Row<float>* row = scratch.positions.data();
@@ -73,7 +74,9 @@ void EncodeBlockPositions(const groom::Groom& groom, const rod::Batch<float>::Bl
 }  // namespace
 
 size_t FrameSize(const groom::Groom& groom, const View& view) {
-  if (view.format == FrameFormat::kGeneralized) return wire::AnglesSize(groom.element_count());
+  if (view.format == FrameFormat::kGeneralized) {
+    return wire::CoordinatesSize(groom.coordinate_count());
+  }
   return groom.guide_count() * GuideSize(view, 0);
 }
 
@@ -90,7 +93,7 @@ std::string EncodeFrame(const groom::Groom& groom, const HeadState& state, const
     thread_local Scratch scratch;
     for (int i = begin; i < end; ++i) {
       if (view.format == FrameFormat::kGeneralized) {
-        EncodeBlockAngles(groom, blocks[i], state, data, scratch);
+        EncodeBlockCoordinates(groom, blocks[i], state, data, scratch);
       } else {
         EncodeBlockPositions(groom, blocks[i], state, pose, view, data, scratch);
       }

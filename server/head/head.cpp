@@ -13,7 +13,6 @@
 namespace mane::head {
 namespace {
 
-using Eigen::Vector3d;
 using Drive = std::array<rod::Row<float>, rod::layout::kDriveRows>;
 
 // What drives all blocks in a step, and where and when it is linearised.
@@ -29,11 +28,7 @@ constexpr int kBlocksPerPiece = 4;
 constexpr int kStepsAtOnce = 16;
 
 void PutToRest(const groom::Groom& groom, int guide, HeadState* state) {
-  thread_local std::vector<Vector3d> theta, zero;
-  const int first = groom.first_element[guide], N = groom.first_element[guide + 1] - first;
-  theta.assign(groom.rest_theta.begin() + first, groom.rest_theta.begin() + first + N);
-  zero.assign(static_cast<size_t>(N) * rod::kGaussPoints, Vector3d::Zero());
-  groom.batch.SetStrand(guide, {theta, std::span(zero).first(N), zero}, state->guides);
+  groom.batch.SetStill(guide, groom.rest_of(guide), state->guides);
 }
 
 // Steps [begin, end) of `steps` equal ones along `movement`, which starts at `from`.
@@ -119,13 +114,15 @@ void Reset(const groom::Groom& groom, HeadState* state) {
   state->time = time;
 }
 
-std::vector<Vector3d> Angles(const groom::Groom& groom, const HeadState& state) {
-  std::vector<Vector3d> theta(groom.element_count());
+std::vector<double> Coordinates(const groom::Groom& groom, const HeadState& state) {
+  std::vector<double> coordinates(groom.coordinate_count());
   for (int guide = 0; guide < groom.guide_count(); ++guide) {
-    groom.batch.GetAngles(guide, state.guides,
-                          std::span(theta).subspan(groom.first_element[guide]));
+    groom.batch.GetCoordinates(guide, state.guides,
+                               std::span(coordinates)
+                                   .subspan(groom.first_coordinate[guide],
+                                            groom.guides[guide].coordinate_count()));
   }
-  return theta;
+  return coordinates;
 }
 
 void Teleport(const groom::Groom& groom, const math::Pose& pose, HeadState* state) {

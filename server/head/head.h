@@ -32,9 +32,8 @@ struct HeadState {
 /// Puts the hair to its rest shape, standing still; the pose stays.
 void Reset(const groom::Groom& groom, HeadState* state);
 
-/// Element angles of all guides [rad], (elements of all guides).
-[[nodiscard]] std::vector<Eigen::Vector3d> Angles(const groom::Groom& groom,
-                                                  const HeadState& state);
+/// Element angles of all guides, or unknowns of wound ones [rad], (coordinates of all guides).
+[[nodiscard]] std::vector<double> Coordinates(const groom::Groom& groom, const HeadState& state);
 
 /// Moves head and hair together as one rigid body: shapes stay, velocities turn along.
 void Teleport(const groom::Groom& groom, const math::Pose& pose, HeadState* state);

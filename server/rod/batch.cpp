@@ -112,7 +112,7 @@ void Batch<T>::SetConstants(const Block& block, int lane, const RootedStrand& ro
   Row<T>* const rows = &constants_[block.constants];
   const auto set = [lane](double value, Row<T>* row) { SetRow(value, lane, lane + 1, row); };
   Matrix3d root = rooted.root.q.toRotationMatrix();
-  if (rooted.wound != nullptr) root *= rooted.wound->coils[0].F;
+  if (rooted.wound != nullptr) root *= rooted.wound->coil[0].F;
   SetRows(root, lane, lane + 1, rows + layout::kRootFrame);
   SetRows(rooted.root.p, lane, lane + 1, rows + layout::kRootPosition);
   set(l0, rows + layout::kUnit);
@@ -145,7 +145,7 @@ void Batch<T>::SetWoundElements(const RootedStrand& rooted, int lane, Row<T>* el
   const auto set = [&](double value, int row) { SetRow(value, lane, lane + 1, element + row); };
   double phase = 0;
   for (int Q = 0; Q < strand.elements(); ++Q, element += layout::kConstantsPerWoundElement) {
-    const Coil& coil = rooted.wound->coils[Q];
+    const Coil& coil = rooted.wound->coil[Q];
     const Eigen::Matrix4d K = coil.stiffness * StiffnessUnit(strand);
     set(strand.length[Q] / l0, layout::kLength);
     set(l0 / strand.length[Q], layout::kInverseLength);
@@ -157,6 +157,7 @@ void Batch<T>::SetWoundElements(const RootedStrand& rooted, int lane, Row<T>* el
     set(K(1, 1), layout::kBending);
     set(K(3, 3), layout::kStretching);
     set(K(0, 3), layout::kCoupling);
+    SetRows(rooted.wound->natural[Q], lane, lane + 1, element + layout::kNaturalUnknowns);
     set(std::cos(phase), layout::kPhaseCosine);
     set(std::sin(phase), layout::kPhaseSine);
     phase += coil.winding * strand.length[Q];
@@ -229,6 +230,22 @@ void Batch<T>::GetStrand(int strand, std::span<const Row<T>> state, StrandState 
 template <typename T>
 void Batch<T>::GetStrand(int strand, std::span<const Row<T>> state, WoundState value) const {
   Get(strand, state, value);
+}
+
+template <typename T>
+void Batch<T>::SetStill(int strand, std::span<const double> coordinates,
+                        std::span<Row<T>> state) const {
+  ForLanes(places_[strand], [&](const Block& block, int lane) {
+    const StateLayout at = StateOf(block.kind);
+    MANE_CHECK(static_cast<int>(coordinates.size()) == block.elements * at.coordinates);
+    for (int Q = 0; Q < block.elements; ++Q) {
+      Row<T>* const rows = &state[block.state + Q * at.rows];
+      for (int i = 0; i < at.rows; ++i) {
+        const bool given = i < at.coordinates;
+        SetRow(given ? coordinates[Q * at.coordinates + i] : 0, lane, lane + 1, rows + i);
+      }
+    }
+  });
 }
 
 template <typename T>

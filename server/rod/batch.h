@@ -60,6 +60,8 @@ class Batch {
   /// (N x kGaussPoints), into all lanes of a plain strand; of a wound one, its unknowns and beads.
   void SetStrand(int strand, const StrandState& value, std::span<Row<T>> state) const;
   void SetStrand(int strand, const WoundState& value, std::span<Row<T>> state) const;
+  /// Puts a strand to the shape of these coordinates (see GetCoordinates), standing still.
+  void SetStill(int strand, std::span<const double> coordinates, std::span<Row<T>> state) const;
   /// Reads them back.
   void GetStrand(int strand, std::span<const Row<T>> state, StrandState value) const;
   void GetStrand(int strand, std::span<const Row<T>> state, WoundState value) const;

@@ -45,7 +45,8 @@ enum WoundConstant : int {
   kBending,                  ///< rho S l0^4 [1/s^2].
   kStretching,               ///< .
   kCoupling,                 ///< .
-  kPhaseCosine,              ///< Of the phase of the left end,
+  kNaturalUnknowns,                       ///< x^n [rad] (4).
+  kPhaseCosine = kNaturalUnknowns + 4,              ///< Of the phase of the left end,
   kPhaseSine,                ///< .
   kConstantsPerWoundElement  ///< Rows of an element.
 };

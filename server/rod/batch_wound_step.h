@@ -241,7 +241,9 @@ template <typename T, int W>
   const V inverse = Row(constants, layout::kInverseLength), hl = step.h * inverse;
   const V friction = step.friction * inverse;
   V x[n];
-  for (int i = 0; i < n; ++i) x[i] = Row(state, layout::kUnknowns + i);
+  for (int i = 0; i < n; ++i) {
+    x[i] = Row(state, layout::kUnknowns + i) - Row(constants, layout::kNaturalUnknowns + i);
+  }
   const V twist = hl * Row(constants, layout::kTwisting),
           bend = hl * Row(constants, layout::kBending);
   const V stretch = hl * Row(constants, layout::kStretching);

@@ -5,8 +5,10 @@
 #include <vector>
 
 #include "groom/rest.h"
+#include "rod/wound_shape.h"
 #include "rpc/convert_animation.h"
 #include "rpc/limits.h"
+#include "wire/reconstruct.h"
 
 namespace mane::rpc {
 namespace {
@@ -19,6 +21,29 @@ constexpr size_t kMaxAnswer = 64 << 20;
 
 std::string Bytes(const auto& numbers) {
   return {reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(numbers[0])};
+}
+
+// Points of a guide at equal arc length, head frame [m].
+void SamplePoints(const groom::Guide& guide, std::span<const double> coordinates,
+                  std::span<Vector3d> points) {
+  const auto elements = [&]<typename Vector>(Vector*) {
+    std::vector<Vector> values(guide.strand.elements());
+    for (size_t Q = 0; Q < values.size(); ++Q) {
+      values[Q] = Eigen::Map<const Vector>(&coordinates[Q * Vector::SizeAtCompileTime]);
+    }
+    return values;
+  };
+  if (!guide.wound) {
+    const auto theta = elements(static_cast<Vector3d*>(nullptr));
+    wire::SamplePoints(guide.root, guide.strand.length, theta, points);
+    return;
+  }
+  const auto x = elements(static_cast<rod::Vector4d*>(nullptr));
+  const std::vector<rod::WoundFrame> frames = rod::WoundFrames(*guide.wound, guide.root, x);
+  const double spacing = guide.strand.TotalLength() / static_cast<double>(points.size() - 1);
+  for (size_t i = 0; i < points.size(); ++i) {
+    points[i] = rod::PointOnHair(*guide.wound, frames, x, static_cast<double>(i) * spacing);
+  }
 }
 
 }  // namespace
@@ -59,8 +84,7 @@ Result<void> ComputeRest(const groom::Groom& groom, const v1::ComputeRestShapeRe
     const auto rest = std::span(curvatures)
                           .subspan(groom.first_coordinate[guide], description.coordinate_count());
     residuals[guide] = groom::SolveRest(description, gravity, rest).residual;
-    groom::SamplePoints(description, rest,
-                        std::span(positions).subspan(size_t(guide) * points, points));
+    SamplePoints(description, rest, std::span(positions).subspan(size_t(guide) * points, points));
     const std::vector<double>& length = description.strand.length;
     const size_t per_element = rest.size() / length.size();
     for (size_t i = 0; i < rest.size(); ++i) rest[i] /= length[i / per_element];
