@@ -70,9 +70,9 @@ struct CoilEnd {
 /// Beads that carry the inertia (C7): offset of Gauss point `g` from the axis [m].
 [[nodiscard]] Eigen::Vector3d BeadOffset(const Coil& coil, int g);
 
-/// The hair itself (C9), where `phase` = omega times arc length from the root [rad]: the vector y
-/// from the axis, such that p + E y less its value at the left end is exactly as long as the hair.
-/// In the axis frame at that phase. [element lengths]
+/// The hair itself (C9), where `phase` is the angle wound from the root, omega times arc length
+/// [rad]: the vector y from the axis, such that p + E y less its value at the left end is exactly
+/// as long as the hair. In the axis frame at that phase. [element lengths]
 [[nodiscard]] Eigen::Vector3d CoilOffset(const CoilAxis& axis, double phase);
 
 /// The hair from the element's left end, of that `phase`, to the fraction `s`: p + E y - y_left

@@ -25,29 +25,57 @@ Vector Stack(const std::vector<Vector4d>& vectors) {
 }
 
 WoundRod::WoundRod(const Strand& strand) : strand_(strand) {
-  const Vector3 natural = strand.natural[0].cast<Real>();
-  winding_ = natural.norm();
-  rise_ = natural[0] / winding_;
-  slant_ = std::sqrt(1 - rise_ * rise_);
-  F_.col(0) = natural / winding_;
-  F_.col(2) = F_.col(0).cross(Vector3::UnitX()).normalized();
-  F_.col(1) = F_.col(2).cross(F_.col(0));
+  for (const Eigen::Vector3d& kappa : strand.natural) {
+    const Vector3 natural = kappa.cast<Real>();
+    Helix helix;
+    helix.winding = natural.norm();
+    helix.rise = natural[0] / helix.winding;
+    helix.slant = std::sqrt(1 - helix.rise * helix.rise);
+    helix.F.col(0) = natural / helix.winding;
+    helix.F.col(2) = helix.F.col(0).cross(Vector3::UnitX()).normalized();
+    helix.F.col(1) = helix.F.col(2).cross(helix.F.col(0));
+    helix_.push_back(helix);
+  }
+  // Axis frames that do not wind, along the natural shape of the hair itself; between two of them
+  // the joint's frame is half way.
+  const auto unwound = [](Real phase) {
+    return Eigen::AngleAxis<Real>(-phase, Vector3::UnitX()).toRotationMatrix();
+  };
+  std::vector<Matrix3> joints;
+  Frame hair{Matrix3::Identity(), Vector3::Zero()};
+  Real phase = 0;
+  Matrix3 last = helix_[0].F;
+  for (int Q = 0; Q < elements(); ++Q) {
+    const Matrix3 A = hair.n * helix_[Q].F * unwound(phase);
+    const Eigen::AngleAxis<Real> kink(A * last.transpose());
+    joints.push_back(Eigen::AngleAxis<Real>(kink.angle() / 2, kink.axis()) * last);
+    hair = Advance(hair, strand.natural[Q].cast<Real>(), strand.length[Q]);
+    phase += helix_[Q].winding * strand.length[Q];
+    last = A;
+  }
+  joints.push_back(last);
+  natural_ = Vector::Zero(4 * elements());
+  for (int Q = 0; Q < elements(); ++Q) {
+    const Eigen::AngleAxis<Real> turn(Matrix3(joints[Q].transpose() * joints[Q + 1]));
+    natural_.segment<3>(4 * Q) = turn.angle() * turn.axis();
+  }
 }
 
 Frame WoundRod::AxisRoot(const Frame& clamp) const {
   // The axis of a helix passes at its radius along the principal normal, axis x tangent the other
   // way round: the hair starts at -radius (axis x w).
-  const Vector3 tangent = clamp.n.col(0), axis = clamp.n * F_.col(0);
+  const Vector3 tangent = clamp.n.col(0), axis = clamp.n * helix_[0].F.col(0);
   const Vector3 towards = axis.cross(tangent).normalized();
-  return {clamp.n * F_, clamp.r + slant_ / winding_ * towards};
+  return {clamp.n * helix_[0].F, clamp.r + helix_[0].slant / helix_[0].winding * towards};
 }
 
 Frame WoundRod::Along(const Frame& left, const Vector& x, int Q, Real u) const {
-  const Real l = strand_.length[Q], W = winding_ * l;
+  const Helix& helix = helix_[Q];
+  const Real l = strand_.length[Q], W = helix.winding * l;
   // The hair's strain in the (axis, w) plane; its turn and its rise.
   const Real along = W + x[4 * Q], across = x[4 * Q + 3];
   const Real turn = std::sqrt(along * along + across * across);
-  const Real stretch = (rise_ * along + slant_ * across) / turn;
+  const Real stretch = (helix.rise * along + helix.slant * across) / turn;
   const Vector3 kappa = Vector3(turn - W, x[4 * Q + 1], x[4 * Q + 2]) / l;
   Frame frame = Advance(left, kappa, u * l);
   frame.r = left.r + stretch * (frame.r - left.r);
@@ -56,10 +84,10 @@ Frame WoundRod::Along(const Frame& left, const Vector& x, int Q, Real u) const {
 
 Matrix3X WoundRod::Beads(const Frame& clamp, const Vector& x) const {
   const Rule& rule = GaussRule(kGaussPoints);
-  const Real radius = slant_ / winding_;
   Matrix3X beads(3, elements() * kGaussPoints);
   Frame left = AxisRoot(clamp);
   for (int Q = 0; Q < elements(); ++Q) {
+    const Real radius = helix_[Q].slant / helix_[Q].winding;
     for (int g = 0; g < kGaussPoints; ++g) {
       const Frame at = Along(left, x, Q, rule.nodes[g]);
       const Real arm = radius / (2 * std::sqrt(rule.weights[g])) * (g < 2 ? 1 : -1);
@@ -92,13 +120,14 @@ Vector WoundRod::Masses() const {
 Matrix WoundRod::Stiffness() const {
   // A force along the axis and a moment about it load the hair with moments along axis and w; the
   // hair's strains are conjugate to them. Across the axis, the mean compliance.
-  Matrix3 compliance = Matrix3::Zero();
-  for (int i = 0; i < 3; ++i) {
-    compliance += F_.row(i).transpose() * F_.row(i) / strand_.stiffness[i];
-  }
-  const Real det = compliance(0, 0) * compliance(1, 1) - compliance(0, 1) * compliance(1, 0);
   Matrix K = Matrix::Zero(4 * elements(), 4 * elements());
   for (int Q = 0; Q < elements(); ++Q) {
+    const Matrix3& F = helix_[Q].F;
+    Matrix3 compliance = Matrix3::Zero();
+    for (int i = 0; i < 3; ++i) {
+      compliance += F.row(i).transpose() * F.row(i) / strand_.stiffness[i];
+    }
+    const Real det = compliance(0, 0) * compliance(1, 1) - compliance(0, 1) * compliance(1, 0);
     const Real l = strand_.length[Q];
     K(4 * Q, 4 * Q) = compliance(1, 1) / det / l;
     K(4 * Q + 3, 4 * Q + 3) = compliance(0, 0) / det / l;
@@ -215,7 +244,8 @@ void DenseStep(const Strand& strand, const ClampMotion& clamp, const Surrounding
   const Matrix stiff = h * h * rod.Stiffness();
   Matrix H = stiff + h * rod.Friction(air.internal_friction_scale, dt);
   const Vector3 body = (air.gravity + static_cast<double>(c) * air.wind).cast<Real>();
-  Vector b = -h * rod.Stiffness() * x - h * rod.GravityGradient(root, body, ahead);
+  Vector b =
+      -h * rod.Stiffness() * (x - rod.Natural()) - h * rod.GravityGradient(root, body, ahead);
   std::vector<Vector3> base(J.size());
   for (size_t k = 0; k < J.size(); ++k) {
     base[k] = velocity + spin.cross(r.col(k) - root.r);

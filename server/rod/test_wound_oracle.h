@@ -22,6 +22,8 @@ class WoundRod {
   [[nodiscard]] std::vector<Matrix3X> Jacobians(const Frame& clamp, const Vector& x) const;
   /// rho S ds at the beads, (N kGaussPoints).
   [[nodiscard]] Vector Masses() const;
+  /// Unknowns of the natural shape (C12), (4N).
+  [[nodiscard]] const Vector& Natural() const { return natural_; }
   /// K / l of all elements, (4N x 4N).
   [[nodiscard]] Matrix Stiffness() const;
   /// Friction of a step of `dt` (S10), (4N x 4N).
@@ -40,8 +42,13 @@ class WoundRod {
   [[nodiscard]] Frame Along(const Frame& left, const Vector& x, int Q, Real u) const;
 
   const Strand& strand_;
-  Real winding_, rise_, slant_;
-  Matrix3 F_;  // Columns axis, w, axis x w.
+  // Of an element's natural helix.
+  struct Helix {
+    Real winding, rise, slant;
+    Matrix3 F;  // Columns axis, w, axis x w.
+  };
+  std::vector<Helix> helix_;
+  Vector natural_;
 };
 
 [[nodiscard]] Vector Stack(const std::vector<Vector4d>& vectors);

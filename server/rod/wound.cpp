@@ -1,5 +1,7 @@
 #include "rod/wound.h"
 
+#include <Eigen/Geometry>
+
 #include <cmath>
 #include <utility>
 
@@ -24,19 +26,19 @@ void Linearise(const WoundStrand& wound, const Matrix3d& root, double h, const W
   for (int Q = 0; Q < wound.elements(); ++Q) {
     LinearElement<4>& element = elements[Q];
     const double l = wound.strand.length[Q];
-    const CoilAxis axis = AxisOfElement(wound.coil, l, state.x[Q] + h * state.rate[Q]);
+    const CoilAxis axis = AxisOfElement(wound.coil[Q], l, state.x[Q] + h * state.rate[Q]);
     const CoilEnd end = EndOfCoil(axis);
     element.length = l;
     element.mass = wound.strand.linear_density * l;
-    element.K = wound.coil.stiffness / l;
-    element.strain = state.x[Q];
+    element.K = wound.coil[Q].stiffness / l;
+    element.strain = state.x[Q] - wound.natural[Q];
     element.d = l * (A * end.p);
     element.S.topRows<3>() = l * A * end.J;
     element.S.bottomRows<3>() = A * end.T;
     element.c = l * (A * end.c);
     element.G = l * A * end.G;
     for (int g = 0; g < kGaussPoints; ++g) {
-      const CoilPoint bead = PointOnCoil(axis, kGauss.nodes[g], BeadOffset(wound.coil, g) / l);
+      const CoilPoint bead = PointOnCoil(axis, kGauss.nodes[g], BeadOffset(wound.coil[Q], g) / l);
       element.r[g] = l * (A * bead.p);
       element.J[g] = l * A * bead.J;
     }
@@ -44,26 +46,67 @@ void Linearise(const WoundStrand& wound, const Matrix3d& root, double h, const W
   }
 }
 
+std::vector<Coil> CoilsOf(const Strand& strand) {
+  std::vector<Coil> coils;
+  coils.reserve(strand.natural.size());
+  for (const Vector3d& natural : strand.natural) {
+    coils.push_back(MakeCoil(natural, strand.stiffness));
+  }
+  return coils;
+}
+
+// x^n (C12). The material frame is continuous, so that the axis turns at a joint of two coils; half
+// of that turn is the natural curvature of either element.
+std::vector<Vector4d> NaturalUnknowns(const Strand& strand, const std::vector<Coil>& coils) {
+  const int N = strand.elements();
+  std::vector<Vector4d> natural(N);
+  Eigen::Quaterniond left = Eigen::Quaterniond::Identity();  // Half of the last joint's turn.
+  double phase = 0;
+  for (int Q = 0; Q < N; ++Q) {
+    phase += coils[Q].winding * strand.length[Q];
+    Eigen::Quaterniond right = Eigen::Quaterniond::Identity();
+    if (Q + 1 < N) {
+      const Eigen::Quaterniond wind(Eigen::AngleAxisd(phase, Vector3d::UnitX()));
+      const Eigen::Quaterniond kink(coils[Q].F.transpose() * coils[Q + 1].F);
+      right = Eigen::Quaterniond::Identity().slerp(0.5, wind * kink * wind.conjugate());
+    }
+    // beta = (u, b1, b2) where xi = 0.
+    natural[Q] << math::RotationVector(left * right), 0;
+    left = right;
+  }
+  return natural;
+}
+
 }  // namespace
 
 double NaturalTurns(const Strand& strand) {
-  for (const Vector3d& natural : strand.natural) {
-    if (natural != strand.natural[0] || !(natural.tail<2>().norm() > 0)) return 0;
+  double angle = 0;
+  for (int Q = 0; Q < strand.elements(); ++Q) {
+    if (!(strand.natural[Q].tail<2>().norm() > 0)) return 0;
+    angle += strand.natural[Q].norm() * strand.length[Q];
   }
-  return strand.natural[0].norm() * strand.TotalLength() / (2 * M_PI);
+  return angle / (2 * M_PI);
 }
 
 bool IsWound(const Strand& strand) {
   const double turns = NaturalTurns(strand);
-  return turns > kTurnsPerElement * strand.elements() && turns >= kLeastTurns;
+  if (!(turns > kTurnsPerElement * strand.elements() && turns >= kLeastTurns)) return false;
+  const std::vector<Coil> coils = CoilsOf(strand);
+  for (size_t Q = 1; Q < coils.size(); ++Q) {
+    if (Eigen::AngleAxisd(coils[Q - 1].F.transpose() * coils[Q].F).angle() > kLargestKink) {
+      return false;
+    }
+  }
+  return true;
 }
 
 WoundStrand MakeWound(Strand strand) {
   MANE_CHECK(NaturalTurns(strand) > 0);
-  const Coil coil = MakeCoil(strand.natural[0], strand.stiffness);
+  std::vector<Coil> coils = CoilsOf(strand);
+  std::vector<Vector4d> natural = NaturalUnknowns(strand, coils);
   // Less y(0) of the natural shape, whose phase at the root is 0.
-  const Vector3d root = coil.F * Vector3d(0, 0, coil.radius);
-  return {std::move(strand), coil, root};
+  const Vector3d root = coils[0].F * Vector3d(0, 0, coils[0].radius);
+  return {std::move(strand), std::move(coils), std::move(natural), root};
 }
 
 bool Step(const WoundStrand& wound, const ClampMotion& clamp, const Surroundings& air,
@@ -73,7 +116,7 @@ bool Step(const WoundStrand& wound, const ClampMotion& clamp, const Surroundings
   if (static_cast<int>(scratch.elements.size()) < N) scratch.elements.resize(N);
   const recursion::Coefficients c = recursion::MakeCoefficients(wound.strand, clamp.dt, air);
   const Matrix3d R = math::Interpolate(clamp.begin, clamp.end, kTheta).q.toRotationMatrix();
-  Linearise(wound, R * wound.coil.F, c.h, state, scratch.elements);
+  Linearise(wound, R * wound.coil[0].F, c.h, state, scratch.elements);
   // The clamp's twist where the axis starts (C10).
   recursion::Vector6d V = recursion::Twist(clamp);
   V.head<3>() += V.tail<3>().cross(R * wound.root);

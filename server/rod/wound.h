@@ -11,19 +11,27 @@
 
 namespace mane::rod {
 
-/// Turns of a strand's natural shape about its coil's axis, |kappa^n| L / (2 pi); 0 where the
-/// natural curvatures differ from element to element or have no bend: no one coil describes those.
+/// The axis of a wound strand turns by at most this [rad] from one element's natural coil to the
+/// next's: up to here the natural shape's tip is within 2 % of the length (coil.md, C12).
+inline constexpr double kLargestKink = 0.5;
+
+/// Turns of a strand's natural shape about its coil's axis, the sum of |kappa^n| l / (2 pi); 0
+/// where the natural curvature of an element has no bend: neither straight hair nor a pure twist is
+/// a coil.
 [[nodiscard]] double NaturalTurns(const Strand& strand);
 
 /// Whether a strand is better modelled along its coil's axis (coil.md, Which strands): it winds
-/// more often than its elements can follow, and often enough that a coil's ends matter little.
+/// more often than its elements can follow, often enough that a coil's ends matter little, and its
+/// axis turns at no joint by more than kLargestKink.
 [[nodiscard]] bool IsWound(const Strand& strand);
 
-/// Constant description of a wound strand: a strand of one natural curvature, and its coil.
+/// Constant description of a wound strand: the strand, and the coil of each element's natural
+/// curvature.
 struct WoundStrand {
   Strand strand;
-  Coil coil;
-  Eigen::Vector3d root;  ///< Where the axis starts, in the clamp's frame (C10) [m].
+  std::vector<Coil> coil;         ///< (N). The axis frame at the root is R coil[0].F (C10).
+  std::vector<Vector4d> natural;  ///< x^n of the natural shape (C12) [rad], (N).
+  Eigen::Vector3d root;           ///< Where the axis starts, in the clamp's frame (C10) [m].
 
   [[nodiscard]] int elements() const { return strand.elements(); }
 };
@@ -31,7 +39,8 @@ struct WoundStrand {
 /// Needs NaturalTurns > 0, not IsWound: the kinematics hold for any coil.
 [[nodiscard]] WoundStrand MakeWound(Strand strand);
 
-/// What moves: views into arrays that the caller owns. The natural shape is x = 0.
+/// What moves: views into arrays that the caller owns. The natural shape is x =
+/// WoundStrand::natural.
 struct WoundState {
   std::span<Vector4d> x;                ///< l (u, b1, b2, xi) of each element [rad], (N).
   std::span<Vector4d> rate;             ///< dx/dt over the last step [rad/s], (N).

@@ -2,6 +2,7 @@
 //   hair     the natural shape is the plain helix; the hair is as long as its arc length
 //   rest     vertical extent within 2 % and tip within 5 % of the length, axis along and across
 //            gravity, at several rolls about it
+//   varied   the same where the natural curvature varies along the hair
 //   motion   the tip of a shaken strand follows the resolved one's
 
 #include <gtest/gtest.h>
@@ -41,6 +42,20 @@ Strand Resolved(const Hair& hair, double length, int per_turn) {
   return fixtures::MakeStrand(hair, length, static_cast<int>(std::ceil(per_turn * turns)));
 }
 
+// A plain strand of the same natural shape, each element in equal parts, `per_turn` a turn.
+Strand Refined(const Strand& strand, int per_turn) {
+  Strand fine = strand;
+  fine.length.clear();
+  fine.natural.clear();
+  for (int Q = 0; Q < strand.elements(); ++Q) {
+    const double turns = strand.natural[Q].norm() * strand.length[Q] / (2 * M_PI);
+    const int parts = static_cast<int>(std::ceil(per_turn * turns));
+    fine.length.insert(fine.length.end(), parts, strand.length[Q] / parts);
+    fine.natural.insert(fine.natural.end(), parts, strand.natural[Q]);
+  }
+  return fine;
+}
+
 // For the table of coil.md: --gtest_output=json shows the last value of a key.
 void Record(const Hair& hair, double length, int N, const char* what, double value) {
   testing::Test::RecordProperty(
@@ -62,7 +77,7 @@ TEST(WoundAccuracyTest, NaturalShapeIsThePlainHelix) {
     }
     // The axis stays in the middle of the hair.
     const WoundFrame& tip = frames.back();
-    EXPECT_NEAR((tip.hair - tip.axis).norm(), wound.coil.radius, 1e-12);
+    EXPECT_NEAR((tip.hair - tip.axis).norm(), wound.coil.back().radius, 1e-12);
   }
 }
 
@@ -142,7 +157,7 @@ Shape ConvergedShape(const Hair& hair, double length, const math::Pose& clamp, i
 }
 
 Shape WoundShape(const WoundStrand& wound, const math::Pose& clamp) {
-  std::vector<Vector4d> x(wound.elements(), Vector4d::Zero());
+  std::vector<Vector4d> x = wound.natural;
   StaticsReport report;
   for (const double part : kParts) report = SolveRestShape(wound, clamp, part * kGravity, x);
   EXPECT_TRUE(report.converged) << report.residual;
@@ -183,6 +198,49 @@ TEST(WoundAccuracyTest, FuzzyRestsAsTheResolvedStrand) {
     const math::Pose clamp = Rolled(Fuzzy(), down, 0);
     for (const double length : {0.1, 0.2, 0.3}) {
       ExpectAccurate(Fuzzy(), length, clamp, ConvergedShape(Fuzzy(), length, clamp, 12));
+    }
+  }
+}
+
+// Curl that varies along the hair (C12): natural shape and rest, in six draws.
+TEST(WoundAccuracyTest, VariedCurlRestsAsTheResolvedStrand) {
+  struct Case {
+    const Hair& hair;
+    double length;
+    int per_turn;
+  };
+  for (const Case& c : {Case{Curly(), 0.2, 20}, Case{Curly(), 0.3, 20}, Case{Fuzzy(), 0.1, 12},
+                        Case{Fuzzy(), 0.2, 12}, Case{Fuzzy(), 0.3, 12}}) {
+    for (const int N : {5, 10}) {
+      for (const int percent : {5, 10}) {
+        SCOPED_TRACE(testing::Message() << c.hair.name << c.length << " N=" << N << " " << percent);
+        Random random(61);
+        double natural = 0, extent = 0, tip = 0;
+        for (int draw = 0; draw < 6; ++draw) {
+          const Strand strand = fixtures::Varied(fixtures::MakeGraded(c.hair, c.length, N).strand,
+                                                 0.01 * percent, random);
+          EXPECT_TRUE(IsWound(strand));
+          const WoundStrand wound = MakeWound(strand);
+          const math::Pose clamp = Rolled(c.hair, false, draw * M_PI / 3);
+          const Vector3d exact =
+              ElementFrames(strand, clamp, fixtures::State(strand).theta).back().r;
+          const Vector3d mine = WoundFrames(wound, clamp, wound.natural).back().hair;
+          natural = std::max(natural, (mine - exact).norm() / c.length);
+          const Shape rest = WoundShape(wound, clamp);
+          const Shape coarse = PlainShape(Refined(strand, c.per_turn / 2), clamp);
+          const Shape fine = PlainShape(Refined(strand, c.per_turn), clamp);
+          EXPECT_LT((fine.tip - coarse.tip).norm(), 0.015);
+          extent = std::max(extent, std::abs(rest.extent - (4 * fine.extent - coarse.extent) / 3));
+          tip = std::max(tip, (rest.tip - (4 * fine.tip - coarse.tip) / 3).norm());
+        }
+        const std::string what = "varied" + std::to_string(percent) + "_";
+        Record(c.hair, c.length, N, (what + "natural").c_str(), natural);
+        Record(c.hair, c.length, N, (what + "extent").c_str(), extent);
+        Record(c.hair, c.length, N, (what + "tip").c_str(), tip);
+        EXPECT_LT(natural, 0.01);
+        EXPECT_LT(extent, 0.02);
+        EXPECT_LT(tip, 0.05);
+      }
     }
   }
 }
@@ -233,6 +291,22 @@ double Rms(const Tips& a, const Tips& b) {
   double sum = 0;
   for (size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]).squaredNorm();
   return std::sqrt(sum / a.size());
+}
+
+TEST(WoundAccuracyTest, ShakenVariedHairFollowsTheResolvedStrand) {
+  Random random(62);
+  for (const Hair& hair : {Curly(), Fuzzy()}) {
+    const double length = hair.name == "curly" ? 0.2 : 0.1;
+    const math::Pose clamp = Rolled(hair, false, 0);
+    for (const int N : {5, 10}) {
+      const Strand strand =
+          fixtures::Varied(fixtures::MakeGraded(hair, length, N).strand, 0.05, random);
+      const Tips mine = ShakeWound(MakeWound(strand), clamp, 0.8);
+      const Tips resolved = ShakePlain(Refined(strand, hair.name == "curly" ? 12 : 8), clamp, 0.8);
+      Record(hair, length, N, "shaken_varied", Rms(mine, resolved));
+      EXPECT_LT(Rms(mine, resolved), 0.04) << hair.name << N;
+    }
+  }
 }
 
 TEST(WoundAccuracyTest, ShakenHairFollowsTheResolvedStrand) {

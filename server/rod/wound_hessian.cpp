@@ -17,9 +17,9 @@ struct WoundElements {
   std::span<const CoilAxis> axes;
 
   [[nodiscard]] Matrix4d Stiffness(int Q) const {
-    return wound.coil.stiffness / wound.strand.length[Q];
+    return wound.coil[Q].stiffness / wound.strand.length[Q];
   }
-  [[nodiscard]] Vector4d Strain(int Q) const { return x[Q]; }
+  [[nodiscard]] Vector4d Strain(int Q) const { return x[Q] - wound.natural[Q]; }
 
   // C11: of lambda f(beta) + h(beta) with f = w.(u p_H + v c_H), h = w.E a.
   [[nodiscard]] Matrix4d SecondDerivative(int Q, const Vector3d& w, double u, double v,
@@ -49,10 +49,10 @@ void WoundHessian::Linearize(const WoundStrand& wound, const math::Pose& clamp,
   axes_.resize(N);
   ends_.resize(N);
   for (int Q = 0; Q < N; ++Q) {
-    axes_[Q] = AxisOfElement(wound.coil, wound.strand.length[Q], x[Q]);
+    axes_[Q] = AxisOfElement(wound.coil[Q], wound.strand.length[Q], x[Q]);
     ends_[Q] = EndOfCoil(axes_[Q]);
   }
-  Assemble<CoilEnd>(wound.strand, clamp.q * wound.coil.F, gravity, ends_,
+  Assemble<CoilEnd>(wound.strand, clamp.q * wound.coil[0].F, gravity, ends_,
                     WoundElements{wound, x, axes_});
   energy_ -=
       wound.strand.linear_density * wound.strand.TotalLength() * gravity.dot(clamp.q * wound.root);

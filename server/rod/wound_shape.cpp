@@ -13,11 +13,11 @@ std::vector<WoundFrame> WoundFrames(const WoundStrand& wound, const math::Pose& 
   const int N = wound.elements();
   MANE_CHECK(static_cast<int>(x.size()) == N);
   std::vector<WoundFrame> frames(N + 1);
-  frames[0] = {clamp.q * wound.coil.F, clamp * wound.root, clamp.p, 0};
+  frames[0] = {clamp.q * wound.coil[0].F, clamp * wound.root, clamp.p, 0};
   for (int Q = 0; Q < N; ++Q) {
     const WoundFrame& left = frames[Q];
     const double l = wound.strand.length[Q];
-    const CoilAxis axis = AxisOfElement(wound.coil, l, x[Q]);
+    const CoilAxis axis = AxisOfElement(wound.coil[Q], l, x[Q]);
     const CoilEnd end = EndOfCoil(axis);
     frames[Q + 1] = {left.A * end.E, left.axis + l * (left.A * end.p),
                      left.hair + l * (left.A * HairOnCoil(axis, left.phase, 1)),
@@ -31,26 +31,27 @@ Vector3d PointOnHair(const WoundStrand& wound, std::span<const WoundFrame> frame
   const ArcPosition where = Locate(wound.strand, s);
   const int Q = where.element;
   const double l = wound.strand.length[Q];
-  const CoilAxis axis = AxisOfElement(wound.coil, l, x[Q]);
+  const CoilAxis axis = AxisOfElement(wound.coil[Q], l, x[Q]);
   return frames[Q].hair + l * (frames[Q].A * HairOnCoil(axis, frames[Q].phase, where.fraction));
 }
 
 double ElasticEnergy(const WoundStrand& wound, std::span<const Vector4d> x) {
   double U = 0;
   for (int Q = 0; Q < wound.elements(); ++Q) {
-    U += 0.5 / wound.strand.length[Q] * x[Q].dot(wound.coil.stiffness * x[Q]);
+    const Vector4d strain = x[Q] - wound.natural[Q];
+    U += 0.5 / wound.strand.length[Q] * strain.dot(wound.coil[Q].stiffness * strain);
   }
   return U;
 }
 
 double GravityPotential(const WoundStrand& wound, const math::Pose& clamp, const Vector3d& gravity,
                         std::span<const Vector4d> x) {
-  Matrix3d A = clamp.q * wound.coil.F;
+  Matrix3d A = clamp.q * wound.coil[0].F;
   Vector3d r = clamp.q * wound.root;
   double V = 0;
   for (int Q = 0; Q < wound.elements(); ++Q) {
     const double l = wound.strand.length[Q];
-    const CoilEnd end = EndOfCoil(AxisOfElement(wound.coil, l, x[Q]));
+    const CoilEnd end = EndOfCoil(AxisOfElement(wound.coil[Q], l, x[Q]));
     V -= wound.strand.linear_density * l * gravity.dot(r + l * (A * end.c));
     r += l * (A * end.p);
     A = A * end.E;

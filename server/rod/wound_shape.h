@@ -15,7 +15,7 @@ struct WoundFrame {
   Eigen::Matrix3d A;     ///< Axis frame, columns.
   Eigen::Vector3d axis;  ///< Point of the axis [m].
   Eigen::Vector3d hair;  ///< Point of the hair [m].
-  double phase;          ///< omega times arc length from the root [rad].
+  double phase;          ///< Angle wound from the root, the sum of omega l [rad].
 };
 
 /// Frames of all element ends, root first, tip last, (N + 1). The hair starts at the clamp point
@@ -32,7 +32,7 @@ struct WoundFrame {
                                           std::span<const Vector4d> x, double s);
 
 /// T, U and V [J] of a wound strand: kinetic energy is energy.h's, of the beads' velocities.
-/// U = 1/2 sum_Q x.K x / l (C6).
+/// U = 1/2 sum_Q (x - x^n).K (x - x^n) / l (C6).
 [[nodiscard]] double ElasticEnergy(const WoundStrand& wound, std::span<const Vector4d> x);
 
 /// -int rho S g.(r - r_clamp) ds [J] of the axis (C8).

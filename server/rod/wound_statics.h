@@ -14,8 +14,7 @@ namespace mane::rod {
 ///
 /// @param clamp    root frame of the hair; only its rotation matters.
 /// @param gravity  [m/s^2], in the frame of `clamp`'s parent.
-/// @param x        in: where to start, such as 0, the natural shape; out: the equilibrium [rad],
-///                 (N).
+/// @param x        in: where to start, such as the natural shape; out: the equilibrium [rad], (N).
 StaticsReport SolveRestShape(const WoundStrand& wound, const math::Pose& clamp,
                              const Eigen::Vector3d& gravity, std::span<Vector4d> x);
 

@@ -33,7 +33,7 @@ TEST(WoundStaticsTest, NoSmallChangeLowersTheEnergy) {
     const fixtures::Hair& hair = fixtures::AppendixB()[2 + i % 2];
     const WoundStrand wound = fixtures::MakeGraded(hair, 0.1 * (1 + i / 2 % 3), i % 4 < 2 ? 10 : 5);
     const math::Pose clamp = random.Pose();
-    std::vector<Vector4d> x(wound.elements(), Vector4d::Zero());
+    std::vector<Vector4d> x = wound.natural;
     const StaticsReport report = SolveRestShape(wound, clamp, kGravity, x);
     EXPECT_TRUE(report.converged) << report.residual;
     EXPECT_LE(report.iterations, 60);
@@ -50,7 +50,7 @@ TEST(WoundStaticsTest, MovingHairComesToRestThere) {
   for (const int hair : {2, 3}) {
     const WoundStrand wound = fixtures::MakeGraded(fixtures::AppendixB()[hair], 0.2, 10);
     const math::Pose clamp = fixtures::AxisClamp(wound.strand, false);
-    std::vector<Vector4d> rest(10, Vector4d::Zero());
+    std::vector<Vector4d> rest = wound.natural;
     ASSERT_TRUE(SolveRestShape(wound, clamp, kGravity, rest).converged);
     // At rest it stays, bit for bit but for rounding; nearby it returns.
     for (const double off : {0.0, 0.2}) {

@@ -83,6 +83,12 @@ TEST(WoundTest, StrandsThatWindOftenAreWound) {
   EXPECT_NEAR(NaturalTurns(fixtures::MakeStrand(hairs[2], 0.2, 5)), 5.35, 0.01);
   Strand mixed = fixtures::MakeStrand(hairs[3], 0.2, 5);
   mixed.natural[2] *= 1.1;
+  EXPECT_TRUE(IsWound(mixed));
+  EXPECT_NEAR(NaturalTurns(mixed), 1.02 * NaturalTurns(fixtures::MakeStrand(hairs[3], 0.2, 5)),
+              1e-12);
+  mixed.natural[2].x() *= 0.2;  // Its coil's axis stands at more than half a radian to the others.
+  EXPECT_FALSE(IsWound(mixed));
+  mixed.natural[2] = {1000, 0, 0};
   EXPECT_FALSE(IsWound(mixed));
   EXPECT_THROW((void)MakeWound(mixed), base::CheckFailure);
   EXPECT_THROW((void)MakeWound(fixtures::MakeStrand(hairs[0], 0.2, 5)), base::CheckFailure);
@@ -123,8 +129,8 @@ TEST(WoundTest, AcceleratesFromRestByTheInverseMassTimesForce) {
     const oracle::WoundRod rod(wound.strand);
     const oracle::Vector x = oracle::Stack(start.x);
     const oracle::Frame frame = oracle::ToFrame(clamp);
-    const oracle::Vector force =
-        -rod.Stiffness() * x - rod.GravityGradient(frame, air.gravity.cast<oracle::Real>(), x);
+    const oracle::Vector force = -rod.Stiffness() * (x - rod.Natural()) -
+                                 rod.GravityGradient(frame, air.gravity.cast<oracle::Real>(), x);
     const std::vector<oracle::Matrix3X> J = rod.Jacobians(frame, x);
     const oracle::Vector masses = rod.Masses();
     oracle::Matrix M = oracle::Matrix::Zero(4 * N, 4 * N);
@@ -149,7 +155,7 @@ TEST(WoundTest, AcceleratesFromRestByTheInverseMassTimesForce) {
 // the weight g - a, over their largest value, in half a second of steps of `dt`.
 double DifferenceOfMovingFrames(double turns, double dt) {
   Random random(31);
-  const WoundStrand wound = AnyWound(random, 8, 0.2, turns);
+  const WoundStrand wound = AnyWound(random, 8, 0.2, turns, 0);
   const Vector3d a(4, -3, 6);
   const math::Pose root{{0.1, 0.2, 0.3}, random.Rotation()};
   WoundOwned fixed(wound), moving(wound);
