@@ -127,10 +127,10 @@ void Batch<T>::GetStrand(int strand, std::span<const Row<T>> state, StrandState 
   const auto [block_index, lane] = places_[strand];
   const Block& block = blocks_[block_index];
   const double unit = Constant(block, layout::kUnit, lane);
+  GetAngles(strand, state, value.theta);
   for (int Q = 0; Q < block.elements; ++Q) {
     const Row<T>* const rows = &state[block.state + Q * layout::kStatePerElement];
     for (int i = 0; i < 3; ++i) {
-      value.theta[Q][i] = rows[layout::kAngles + i].lane[lane];
       value.rate[Q][i] = rows[layout::kRates + i].lane[lane];
       for (int g = 0; g < kGaussPoints; ++g) {
         value.velocity[Q * kGaussPoints + g][i] =

@@ -52,7 +52,10 @@ ElementPoint PointOnElement(const Vector3d& theta, double s) {
 }
 
 ElementEnd EndOfElement(const Vector3d& theta) {
-  const Stumpff C = math::StumpffC(theta.squaredNorm());
+  return EndOfElement(theta, math::StumpffC(theta.squaredNorm()));
+}
+
+ElementEnd EndOfElement(const Vector3d& theta, const Stumpff& C) {
   const Basis basis(theta);
   const Matrix3d th = Cross(theta), th2 = th * th;
   ElementEnd end;

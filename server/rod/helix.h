@@ -35,5 +35,7 @@ struct ElementEnd {
 
 /// Evaluates the end of an element.
 [[nodiscard]] ElementEnd EndOfElement(const Eigen::Vector3d& theta);
+/// The same for whoever has C = StumpffC(|theta|^2).
+[[nodiscard]] ElementEnd EndOfElement(const Eigen::Vector3d& theta, const math::Stumpff& C);
 
 }  // namespace mane::rod

@@ -4,8 +4,6 @@
 #include <cmath>
 
 #include "base/check.h"
-#include "math/stumpff.h"
-#include "rod/helix.h"
 
 namespace mane::rod {
 namespace {
@@ -81,6 +79,7 @@ void PotentialHessian::Linearize(const Strand& strand, const math::Pose& clamp,
   const int N = strand.elements();
   MANE_CHECK(static_cast<int>(theta.size()) == N);
   elements_.resize(N);
+  shapes_.resize(N);
   gradient_.resize(N);
   metric_.resize(N);
   // Two world axes across gravity, e1 x e2 along it: |g| (e2 e1^T - e1 e2^T) is [g].
@@ -93,10 +92,10 @@ void PotentialHessian::Linearize(const Strand& strand, const math::Pose& clamp,
   Matrix3d R = clamp.q.toRotationMatrix();
   for (int Q = 0; Q < N; ++Q) {
     elements_[Q].R = R;
-    const Vector3d& th = theta[Q];
-    const math::Stumpff C = math::StumpffC(th.squaredNorm());
-    const Matrix3d cross = Cross(th);
-    R = R * (Matrix3d::Identity() + C[1] * cross + C[2] * (cross * cross));
+    Shape& shape = shapes_[Q];
+    shape.C = math::StumpffC(theta[Q].squaredNorm());
+    shape.end = EndOfElement(theta[Q], shape.C);
+    R = R * shape.end.E;
   }
 
   energy_ = 0;
@@ -106,8 +105,8 @@ void PotentialHessian::Linearize(const Strand& strand, const math::Pose& clamp,
     Element& element = elements_[Q];
     const Vector3d& th = theta[Q];
     const double l = strand.length[Q], mass = strand.linear_density * l;
-    const ElementEnd end = EndOfElement(th);
-    const math::Stumpff C = math::StumpffC(th.squaredNorm());
+    const math::Stumpff& C = shapes_[Q].C;
+    const ElementEnd& end = shapes_[Q].end;
     const math::StumpffTail tail = math::StumpffCTail(C, th.squaredNorm());
     const auto coefficient = [&](int n) {
       return Coefficient{C[n], math::TwiceDerivative(C, n),

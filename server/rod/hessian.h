@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "math/rigid.h"
+#include "math/stumpff.h"
+#include "rod/helix.h"
 #include "rod/strand.h"
 
 namespace mane::rod {
@@ -53,8 +55,15 @@ class PotentialHessian {
     Matrix32 V_eliminated;  // and V less what earlier elements took.
   };
 
+  // What Linearize's two passes share.
+  struct Shape {
+    math::Stumpff C;  // At |theta|^2.
+    ElementEnd end;
+  };
+
   double energy_ = 0;
   std::vector<Element> elements_;
+  std::vector<Shape> shapes_;
   std::vector<Eigen::Vector3d> gradient_, metric_;
   std::vector<Eigen::Vector3d> work_;
 };
