@@ -141,7 +141,8 @@ TYPED_TEST(BatchMotionTest, HairAtRestStaysAtRest) {
           Packed<T> packed;
           for (int i = 0; i < 32; ++i) {
             const Hair& hair = fixtures::AppendixB()[i % 4];
-            // Long coils at ten elements need the friction that hair has (rod.md, S11).
+            // Long coils at ten elements need the friction that hair has (rod.md, Time step,
+            // Measured).
             const bool five = i % 8 < 4 || (i % 4 >= 2 && length > 0.3 && friction == 0);
             Strand strand = fixtures::MakeStrand(hair, length, five ? 5 : 10);
             strand.internal_friction *= friction;
