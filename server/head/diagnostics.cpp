@@ -1,11 +1,11 @@
 #include "head/diagnostics.h"
 
 #include <algorithm>
-#include <span>
 #include <vector>
 
 #include "rod/energy.h"
 #include "rod/scheme.h"
+#include "rod/statics.h"
 
 namespace mane::head {
 namespace {
@@ -21,18 +21,6 @@ struct Scratch {
   explicit Scratch(size_t N) : theta(N), rate(N), velocity(N * rod::kGaussPoints), gradient(N) {}
 };
 
-double Imbalance(const rod::Strand& strand, const Vector3d& gravity,
-                 std::span<const Vector3d> gradient) {
-  const double L = strand.TotalLength();
-  double scale = strand.linear_density * gravity.norm() * L * L / 2;
-  if (scale == 0) {
-    scale = strand.stiffness.maxCoeff() / *std::ranges::min_element(strand.length);
-  }
-  double largest = 0;
-  for (const Vector3d& moment : gradient) largest = std::max(largest, moment.norm());
-  return largest / scale;
-}
-
 Diagnostics DiagnoseGuide(const groom::Groom& groom, int guide, const HeadState& state,
                           const Environment& environment) {
   const rod::Strand& strand = groom.guides[guide].strand;
@@ -46,7 +34,7 @@ Diagnostics DiagnoseGuide(const groom::Groom& groom, int guide, const HeadState&
           .elastic_energy = rod::ElasticEnergy(strand, s.theta),
           .gravity_energy = rod::GravityPotential(strand, root, environment.gravity, s.theta),
           .largest_angle = largest_angle,
-          .imbalance = Imbalance(strand, environment.gravity, s.gradient)};
+          .imbalance = rod::StaticsResidual(strand, environment.gravity, s.gradient)};
 }
 
 void Add(const Diagnostics& guide, Diagnostics* all) {

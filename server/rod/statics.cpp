@@ -18,7 +18,7 @@ constexpr double kTolerance = 1e-9;
 constexpr double kFlat = 1e-6;
 constexpr double kEscapeAngle = 0.1;  // rad
 
-// A moment to measure the residual by: the weight's largest, or the natural shape's.
+// A moment to measure the residual by.
 double MomentScale(const Strand& strand, const Vector3d& gravity) {
   const double L = strand.TotalLength();
   double scale = 0.5 * strand.linear_density * gravity.norm() * L * L;
@@ -42,18 +42,22 @@ double SquaredNorm(std::span<const Vector3d> v) {
 
 }  // namespace
 
+double StaticsResidual(const Strand& strand, const Vector3d& gravity,
+                       std::span<const Vector3d> gradient) {
+  return Largest(gradient) / MomentScale(strand, gravity);
+}
+
 StaticsReport SolveRestShape(const Strand& strand, const math::Pose& clamp, const Vector3d& gravity,
                              std::span<Vector3d> theta) {
   const int N = strand.elements();
   MANE_CHECK(static_cast<int>(theta.size()) == N);
-  const double scale = MomentScale(strand, gravity);
   std::vector<Vector3d> trial(theta.begin(), theta.end()), step(N);
   PotentialHessian here, there;
   here.Linearize(strand, clamp, gravity, theta);
   double lambda = 1e-3;
   StaticsReport report;
   for (; report.iterations < kMaxIterations; ++report.iterations) {
-    report.residual = Largest(here.gradient()) / scale;
+    report.residual = StaticsResidual(strand, gravity, here.gradient());
     if (report.residual <= kTolerance) {
       report.converged = here.Factor(kFlat);
       if (report.converged) break;
