@@ -1,11 +1,14 @@
 #include "head/diagnostics.h"
 
 #include <algorithm>
-#include <span>
 #include <vector>
 
 #include "rod/energy.h"
 #include "rod/scheme.h"
+#include "rod/statics.h"
+#include "rod/wound_hessian.h"
+#include "rod/wound_shape.h"
+#include "rod/wound_statics.h"
 
 namespace mane::head {
 namespace {
@@ -14,39 +17,51 @@ using Eigen::Vector3d;
 
 constexpr int kGuidesPerPiece = 16;
 
-// A guide's state, unpacked.
-struct Scratch {
-  std::vector<Vector3d> theta, rate, velocity, gradient;
+// A guide's state, unpacked: element angles or unknowns of a wound one.
+template <typename Vector>
+struct Unpacked {
+  std::vector<Vector> coordinates, rate;
+  std::vector<Vector3d> velocity;
 
-  explicit Scratch(size_t N) : theta(N), rate(N), velocity(N * rod::kGaussPoints), gradient(N) {}
+  explicit Unpacked(size_t N) : coordinates(N), rate(N), velocity(N * rod::kGaussPoints) {}
+
+  [[nodiscard]] double LargestAngle() const {
+    double largest = 0;
+    for (const Vector& element : coordinates) largest = std::max(largest, element.norm());
+    return largest;
+  }
 };
 
-double Imbalance(const rod::Strand& strand, const Vector3d& gravity,
-                 std::span<const Vector3d> gradient) {
-  const double L = strand.TotalLength();
-  double scale = strand.linear_density * gravity.norm() * L * L / 2;
-  if (scale == 0) {
-    scale = strand.stiffness.maxCoeff() / *std::ranges::min_element(strand.length);
-  }
-  double largest = 0;
-  for (const Vector3d& moment : gradient) largest = std::max(largest, moment.norm());
-  return largest / scale;
-}
-
-Diagnostics DiagnoseGuide(const groom::Groom& groom, int guide, const HeadState& state,
-                          const Environment& environment) {
+Diagnostics DiagnosePlain(const groom::Groom& groom, int guide, const HeadState& state,
+                          const Vector3d& gravity) {
   const rod::Strand& strand = groom.guides[guide].strand;
   const math::Pose root = state.pose * groom.guides[guide].root;
-  Scratch s(strand.elements());
-  groom.batch.GetStrand(guide, state.guides, {s.theta, s.rate, s.velocity});
-  rod::PotentialGradient(strand, root, environment.gravity, s.theta, s.gradient);
-  double largest_angle = 0;
-  for (const Vector3d& theta : s.theta) largest_angle = std::max(largest_angle, theta.norm());
-  return {.kinetic_energy = rod::KineticEnergy(strand, s.velocity),
-          .elastic_energy = rod::ElasticEnergy(strand, s.theta),
-          .gravity_energy = rod::GravityPotential(strand, root, environment.gravity, s.theta),
-          .largest_angle = largest_angle,
-          .imbalance = Imbalance(strand, environment.gravity, s.gradient)};
+  Unpacked<Vector3d> now(strand.elements());
+  groom.batch.GetStrand(guide, state.guides,
+                        rod::StrandState{now.coordinates, now.rate, now.velocity});
+  std::vector<Vector3d> gradient(strand.elements());
+  rod::PotentialGradient(strand, root, gravity, now.coordinates, gradient);
+  return {.kinetic_energy = rod::KineticEnergy(strand, now.velocity),
+          .elastic_energy = rod::ElasticEnergy(strand, now.coordinates),
+          .gravity_energy = rod::GravityPotential(strand, root, gravity, now.coordinates),
+          .largest_angle = now.LargestAngle(),
+          .imbalance = rod::StaticsResidual(strand, gravity, gradient)};
+}
+
+Diagnostics DiagnoseWound(const groom::Groom& groom, int guide, const HeadState& state,
+                          const Vector3d& gravity) {
+  const rod::WoundStrand& wound = *groom.guides[guide].wound;
+  const math::Pose root = state.pose * groom.guides[guide].root;
+  Unpacked<rod::Vector4d> now(wound.elements());
+  groom.batch.GetStrand(guide, state.guides,
+                        rod::WoundState{now.coordinates, now.rate, now.velocity});
+  rod::WoundHessian potential;
+  potential.Linearize(wound, root, gravity, now.coordinates);
+  return {.kinetic_energy = rod::KineticEnergy(wound.strand, now.velocity),
+          .elastic_energy = rod::ElasticEnergy(wound, now.coordinates),
+          .gravity_energy = rod::GravityPotential(wound, root, gravity, now.coordinates),
+          .largest_angle = now.LargestAngle(),
+          .imbalance = rod::StaticsResidual(wound, gravity, potential.gradient())};
 }
 
 void Add(const Diagnostics& guide, Diagnostics* all) {
@@ -63,7 +78,10 @@ Diagnostics Diagnose(const groom::Groom& groom, const HeadState& state,
                      const Environment& environment, exec::WorkerPool& pool) {
   std::vector<Diagnostics> guides(groom.guide_count());
   pool.ParallelFor(groom.guide_count(), kGuidesPerPiece, [&](int begin, int end) {
-    for (int i = begin; i < end; ++i) guides[i] = DiagnoseGuide(groom, i, state, environment);
+    for (int i = begin; i < end; ++i) {
+      const auto diagnose = groom.guides[i].wound ? DiagnoseWound : DiagnosePlain;
+      guides[i] = diagnose(groom, i, state, environment.gravity);
+    }
   });
   Diagnostics all;
   for (const Diagnostics& guide : guides) Add(guide, &all);

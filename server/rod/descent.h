@@ -21,7 +21,7 @@ inline constexpr double kTolerance = 1e-9;
 inline constexpr double kFlat = 1e-6;
 inline constexpr double kEscapeAngle = 0.1;  // rad
 
-/// A moment [N m] to measure the residual by: the weight's largest, or the natural shape's.
+/// A moment [N m] to measure the residual by.
 inline double MomentScale(const Strand& strand, const Eigen::Vector3d& gravity) {
   const double L = strand.TotalLength();
   double scale = 0.5 * strand.linear_density * gravity.norm() * L * L;
@@ -38,6 +38,12 @@ double Largest(std::span<const V> vectors) {
   return largest;
 }
 
+/// StaticsResidual() of statics.h and wound_statics.h.
+template <class V>
+double Residual(const Strand& strand, const Eigen::Vector3d& gravity, std::span<const V> gradient) {
+  return Largest(gradient) / MomentScale(strand, gravity);
+}
+
 template <class V>
 double SquaredNorm(std::span<const V> vectors) {
   double sum = 0;
@@ -48,14 +54,15 @@ double SquaredNorm(std::span<const V> vectors) {
 /// Newton's method with Levenberg's damping down to a local minimum of the energy.
 ///
 /// @tparam Hessian    a ChainHessian<n>.
-/// @param scale       what the residual is relative to [N m].
+/// @param strand, gravity  what the residual is relative to.
 /// @param linearize   (Hessian&, unknowns): evaluates the energy there.
 /// @param x           in: where to start; out: the minimum [rad], (N).
 template <class Hessian, class Linearize>
-StaticsReport Descend(double scale, const Linearize& linearize,
+StaticsReport Descend(const Strand& strand, const Eigen::Vector3d& gravity, const Linearize& linearize,
                       std::span<typename Hessian::Vector> x) {
   using Vector = typename Hessian::Vector;
   const size_t N = x.size();
+  const double scale = MomentScale(strand, gravity);
   std::vector<Vector> trial(x.begin(), x.end()), step(N);
   Hessian here, there;
   linearize(here, x);

@@ -6,20 +6,15 @@
 #include <span>
 #include <vector>
 
+#include "rod/fit_cost.h"
 #include "rod/smooth_curve.h"
 
 namespace mane::rod {
 
-/// The least squares problem of a fit (rod.md, F4 to F6), in units in which the curve is of size
-/// about one and starts at the origin. One object is one fit; it starts from F3's guess.
+/// Minimises FitCost from F3's guesses. One object is one fit.
 class Fitter {
  public:
-  /// The unknowns.
-  struct Shape {
-    Eigen::Matrix3d R;                   ///< Root frame.
-    double L;                            ///< Length.
-    std::vector<Eigen::Vector3d> theta;  ///< Element angles [rad], (N).
-  };
+  using Shape = FitCost::Shape;
 
   /// @param curve     must outlive this, as must `points`.
   /// @param points    what `curve` was made of; the first one at the origin.
@@ -39,31 +34,12 @@ class Fitter {
   [[nodiscard]] int iterations() const { return iterations_; }
 
  private:
-  // A point to be met, and where along the strand, in parts of its length.
-  struct Target {
-    Eigen::Vector3d x;
-    double u;
-    double weight;
-  };
-  // Its match on the centreline: position and tangent at `s` in [0, 1] of the element.
-  struct Placed {
-    int element;
-    double s;
-    Eigen::Vector3d r, t;
-  };
-
-  [[nodiscard]] int N() const { return static_cast<int>(fraction_.size()) - 1; }
-  [[nodiscard]] double Part(int Q) const { return fraction_[Q + 1] - fraction_[Q]; }
   void Start(double twist_weight);
   void SetTargets();
   void RunFromHere();
-  std::vector<Placed> Place(const Shape& shape, std::vector<Target>* targets) const;
-  [[nodiscard]] double Cost(const Shape& shape, const std::vector<Target>& targets,
-                            const std::vector<Placed>& placed) const;
-  void Normal(const std::vector<Placed>& placed, Eigen::MatrixXd* H, Eigen::VectorXd* g) const;
-  void AddPenalty(Eigen::MatrixXd* H, Eigen::VectorXd* g) const;
   [[nodiscard]] Shape Moved(const Eigen::VectorXd& step) const;
-  [[nodiscard]] Eigen::VectorXd Step(const std::vector<Placed>& placed, double lambda) const;
+  [[nodiscard]] Eigen::VectorXd Step(const std::vector<FitCost::Placed>& placed,
+                                     double lambda) const;
   void Minimise();
   void Measure();
 
@@ -72,12 +48,10 @@ class Fitter {
   const Eigen::Matrix3d root_;
   const bool root_free_;
   const double noise_;
-  const std::vector<double> fraction_;
+  FitCost cost_;
   double least_length_, most_length_;
   Shape shape_;
-  std::vector<Target> targets_;  // The last one is the tip.
-  bool sliding_ = false;         // Whether matches follow the shape.
-  double variance_ = 0;          // Of the residuals, that the penalty is measured by.
+  std::vector<FitCost::Target> targets_;  // The last one is the tip.
   double largest_distance_ = 0, rms_distance_ = 0;
   int iterations_ = 0;
 };

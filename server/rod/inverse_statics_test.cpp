@@ -20,16 +20,13 @@ namespace mane::rod {
 namespace {
 
 using Eigen::Vector3d;
+using fixtures::kGravity;
+using fixtures::kL;
 using fixtures::Random;
 using fixtures::State;
+using fixtures::Upright;
 
-constexpr double kL = 0.2;
-const Vector3d kGravity(0, -9.81, 0);
 constexpr HoldOptions kAnyStiffness{1, 1e9, 0.02, 0.02};
-
-math::Pose Upright() {
-  return {Vector3d::Zero(), Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitX(), -kGravity)};
-}
 
 // A shape and a strand that is to hold it.
 struct Case {

@@ -11,12 +11,17 @@ namespace mane::rod {
 
 /// How a search for equilibrium ended.
 struct StaticsReport {
-  /// Largest |dE/dtheta| over the largest moment that gravity can exert, rho S |g| L^2 / 2, or over
-  /// the elastic moment where that is larger; at most 1e-9 where `converged`.
-  double residual = 0;
+  double residual = 0;  ///< StaticsResidual(); at most 1e-9 where `converged`.
   int iterations = 0;
   bool converged = false;
 };
+
+/// How far a shape is from equilibrium: the largest component of its `gradient` dE/dtheta [J], (N),
+/// over the largest of these moments: what the strand's weight can exert, rho S |g| L^2 / 2; what
+/// bends and twists it into its natural shape, (EI)_i |kappa^n_i|; and, so that it is never zero,
+/// the smallest (EI)_i / L.
+[[nodiscard]] double StaticsResidual(const Strand& strand, const Eigen::Vector3d& gravity,
+                                     std::span<const Eigen::Vector3d> gradient);
 
 /// Static equilibrium: the local minimum of U(theta) - int rho S g.r ds that energy descent reaches
 /// from the given angles (heavy and upward hair has several; see rod.md, Statics).

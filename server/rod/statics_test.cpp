@@ -15,7 +15,6 @@
 #include <array>
 #include <cmath>
 
-#include "rod/chain.h"
 #include "rod/energy.h"
 #include "rod/test_strands.h"
 
@@ -23,11 +22,11 @@ namespace mane::rod {
 namespace {
 
 using Eigen::Vector3d;
+using fixtures::kGravity;
+using fixtures::kL;
 using fixtures::Random;
 using fixtures::State;
-
-constexpr double kL = 0.2;
-const Vector3d kGravity(0, -9.81, 0);
+using fixtures::Tip;
 
 // Tip of a strand of unit length, clamped horizontally, of gravito-bending number `number`: with t
 // from the tip and chi the angle of the tangent from straight down,
@@ -70,10 +69,6 @@ class HeavyElastica {
 
   double number_, across_ = 0, down_ = 0;
 };
-
-Vector3d Tip(const Strand& strand, const math::Pose& clamp, const std::vector<Vector3d>& theta) {
-  return ElementFrames(strand, clamp, theta).back().r;
-}
 
 TEST(StaticsTest, ElasticaOfThisTestHasTheKnownTips) {
   // Small deflection: a uniformly loaded cantilever sags by number / 8 of its length.
@@ -134,8 +129,7 @@ TEST(StaticsTest, EnergyIsAtAMinimum) {
 
 TEST(StaticsTest, UprightStrandBucklesAboveGreenhillsNumberOnly) {
   // 7.8373 for the continuous column; ten elements are stiffer by less than one percent.
-  const math::Pose upright{
-      Vector3d::Zero(), Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitX(), Vector3d::UnitY())};
+  const math::Pose upright = fixtures::Upright();
   for (const double number : {2.0, 7.5, 8.2, 20.0, 163.0}) {
     const Strand strand = fixtures::HeavyStrand(number, 10);
     State state(strand);

@@ -93,7 +93,7 @@ void ExpectConvergesToLagrange(const Scene& scene) {
   }
   EXPECT_LT(error[3], 5e-3);
   const double order = std::log2(error[2] / error[3]);
-  EXPECT_GT(order, 0.85);
+  EXPECT_GT(order, 0.9);
   EXPECT_LT(order, 1.6);
   // Romberg's extrapolation to dt = 0 of a first order method.
   const Vector first[3] = {2 * x[1] - x[0], 2 * x[2] - x[1], 2 * x[3] - x[2]};

@@ -25,37 +25,10 @@ namespace mane::rod {
 namespace {
 
 using Eigen::Vector3d;
+using fixtures::Difference;
+using fixtures::Largest;
 using fixtures::Random;
 using fixtures::State;
-
-// Any clamp motion within a step: up to a centimetre and half a radian.
-ClampMotion AnyMotion(Random& random, double dt) {
-  const math::Pose begin = random.Pose();
-  const math::Pose end{begin.p + random.Vector(0.01),
-                       math::FromRotationVector(random.Vector(0.5)) * begin.q};
-  return {begin, end, dt};
-}
-
-Surroundings AnyAir(Random& random) {
-  Surroundings air;
-  air.gravity = random.Vector(10);
-  air.wind = random.Vector(3);
-  air.internal_friction_scale = random.Uniform(0, 2);
-  air.air_drag_scale = random.Uniform(0, 20);
-  return air;
-}
-
-double Largest(const std::vector<Vector3d>& vectors) {
-  double largest = 0;
-  for (const Vector3d& v : vectors) largest = std::max(largest, v.norm());
-  return largest;
-}
-
-double Difference(const std::vector<Vector3d>& a, const std::vector<Vector3d>& b) {
-  double largest = 0;
-  for (size_t i = 0; i < a.size(); ++i) largest = std::max(largest, (a[i] - b[i]).norm());
-  return largest;
-}
 
 TEST(StepTest, EqualsTheDenseMinimisation) {
   Random random(4711);
@@ -66,8 +39,8 @@ TEST(StepTest, EqualsTheDenseMinimisation) {
         SCOPED_TRACE(testing::Message() << "N=" << N << " dt=" << dt << " i=" << i);
         const Strand strand = random.UnevenStrand(N, 0.2, 1.5);
         const State start = random.AnyState(strand, 0.5, 5, 1);
-        const ClampMotion clamp = AnyMotion(random, dt);
-        const Surroundings air = AnyAir(random);
+        const ClampMotion clamp = random.AnyMotion(dt);
+        const Surroundings air = random.AnyAir();
         State mine = start, dense = start;
         ASSERT_TRUE(Step(strand, clamp, air, mine.View(), scratch));
         oracle::DenseStep(strand, clamp, air, dense.View());
@@ -117,8 +90,8 @@ TEST(StepTest, TurningEverythingTurnsTheAnswer) {
   const Strand strand = random.UnevenStrand(6, 0.2, 1);
   const math::Pose turn = random.Pose();
   State here = random.AnyState(strand, 0.3, 5, 1), there = here;
-  ClampMotion clamp = AnyMotion(random, 1.0 / 60);
-  Surroundings air = AnyAir(random);
+  ClampMotion clamp = random.AnyMotion(1.0 / 60);
+  Surroundings air = random.AnyAir();
   StepScratch scratch;
   ASSERT_TRUE(Step(strand, clamp, air, here.View(), scratch));
   clamp = {turn * clamp.begin, turn * clamp.end, clamp.dt};
@@ -136,8 +109,8 @@ TEST(StepTest, GalileanBoostChangesNoAngle) {
   const Strand strand = random.UnevenStrand(6, 0.2, 1);
   const Vector3d boost(3, -1, 2);
   State slow = random.AnyState(strand, 0.3, 5, 1), fast = slow;
-  ClampMotion clamp = AnyMotion(random, 1.0 / 60);
-  Surroundings air = AnyAir(random);
+  ClampMotion clamp = random.AnyMotion(1.0 / 60);
+  Surroundings air = random.AnyAir();
   StepScratch scratch;
   ASSERT_TRUE(Step(strand, clamp, air, slow.View(), scratch));
   clamp.end.p += clamp.dt * boost;
@@ -162,8 +135,8 @@ TEST(StepTest, SameInputGivesTheSameBitsWhateverTheScratch) {
     const int N = 1 + i % 7;
     const Strand strand = random.UnevenStrand(N, 0.2, 1);
     const State start = random.AnyState(strand, 0.3, 5, 1);
-    const ClampMotion clamp = AnyMotion(random, 1.0 / 60);
-    const Surroundings air = AnyAir(random);
+    const ClampMotion clamp = random.AnyMotion(1.0 / 60);
+    const Surroundings air = random.AnyAir();
     State a = start, b = start;
     StepScratch fresh;
     for (int step = 0; step < 30; ++step) {
@@ -180,8 +153,8 @@ TEST(StepTest, WarmStepsDoNotAllocate) {
   Random random(16);
   const Strand strand = random.UnevenStrand(10, 0.2, 1), shorter = random.UnevenStrand(4, 0.2, 1);
   State state(strand), other(shorter);
-  const ClampMotion clamp = AnyMotion(random, 1.0 / 60);
-  const Surroundings air = AnyAir(random);
+  const ClampMotion clamp = random.AnyMotion(1.0 / 60);
+  const Surroundings air = random.AnyAir();
   StepScratch scratch;
   ASSERT_TRUE(Step(strand, clamp, air, state.View(), scratch));
   long warm = -1, cold = -1;

@@ -1,16 +1,36 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <array>
 #include <cstdint>
 #include <deque>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "rod/batch.h"
 #include "rod/test_strands.h"
 
-/// Packed strands that the tests of this folder share.
+/// Packed strands, and a fixture of every instruction set, that the tests of this folder share.
 namespace mane::rod::fixtures {
+
+/// A typed test of the kernels of a number type.
+template <typename T>
+class EveryIsaTest : public testing::Test {
+ protected:
+  /// Calls check(kernels) for every instruction set of this machine.
+  template <typename Check>
+  void ForEveryIsa(const Check& check) {
+    for (const simd::Isa isa : simd::Supported()) {
+      SCOPED_TRACE(std::string(simd::Name(isa)));
+      check(KernelsFor<T>(isa));
+    }
+  }
+};
+
+/// Both number types.
+using Numbers = testing::Types<float, double>;
 
 /// Strands with their roots and states, packed and stepped together.
 template <typename T>

@@ -3,16 +3,28 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <random>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "math/rigid.h"
+#include "rod/chain.h"
 #include "rod/step.h"
 #include "rod/strand.h"
 
 /// Strands and states that the tests of this folder share.
 namespace mane::rod::fixtures {
+
+inline constexpr double kL = 0.2;                    ///< Length of most strands [m].
+inline const Eigen::Vector3d kGravity(0, -9.81, 0);  ///< [m/s^2]
+
+/// A clamp whose tangent points straight up.
+inline math::Pose Upright() {
+  return {Eigen::Vector3d::Zero(),
+          Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitX(), -kGravity)};
+}
 
 /// A row of [SH06] Appendix B, with the formulas of its section 4.2.
 struct Hair {
@@ -79,6 +91,27 @@ struct State {
   StrandState View() { return {theta, rate, velocity}; }
 };
 
+/// The tip of a strand of these angles.
+inline Eigen::Vector3d Tip(const Strand& strand, const math::Pose& clamp,
+                           std::span<const Eigen::Vector3d> theta) {
+  return ElementFrames(strand, clamp, theta).back().r;
+}
+
+/// The longest of all vectors.
+inline double Largest(const std::vector<Eigen::Vector3d>& vectors) {
+  double largest = 0;
+  for (const Eigen::Vector3d& v : vectors) largest = std::max(largest, v.norm());
+  return largest;
+}
+
+/// The longest difference of equally many vectors.
+inline double Difference(const std::vector<Eigen::Vector3d>& a,
+                         const std::vector<Eigen::Vector3d>& b) {
+  double largest = 0;
+  for (size_t i = 0; i < a.size(); ++i) largest = std::max(largest, (a[i] - b[i]).norm());
+  return largest;
+}
+
 /// Seeded random strands, states and poses.
 class Random {
  public:
@@ -116,6 +149,26 @@ class Random {
     }
     strand.stiffness = strand.stiffness.cwiseProduct(Eigen::Vector3d(1, 1.4, 0.8));
     return strand;
+  }
+
+  /// A root anywhere on a head.
+  math::Pose AnyRoot() { return {Vector(0.1), Rotation()}; }
+
+  /// Any clamp motion within a step: up to a centimetre and half a radian along each axis.
+  ClampMotion AnyMotion(double dt) {
+    const math::Pose begin = Pose();
+    const math::Pose end{begin.p + Vector(0.01), math::FromRotationVector(Vector(0.5)) * begin.q};
+    return {begin, end, dt};
+  }
+
+  /// Any gravity, wind, friction and drag, some ten times what hair meets.
+  Surroundings AnyAir() {
+    Surroundings air;
+    air.gravity = Vector(10);
+    air.wind = Vector(3);
+    air.internal_friction_scale = Uniform(0, 2);
+    air.air_drag_scale = Uniform(0, 20);
+    return air;
   }
 
   /// Any angles up to `angle` [rad] off the natural shape, any rates [rad/s], any velocities [m/s].

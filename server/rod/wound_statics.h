@@ -9,6 +9,10 @@
 
 namespace mane::rod {
 
+/// As statics.h's of a plain strand, from the gradient by x [J], (N).
+[[nodiscard]] double StaticsResidual(const WoundStrand& wound, const Eigen::Vector3d& gravity,
+                                     std::span<const Vector4d> gradient);
+
 /// Static equilibrium of a wound strand, as statics.h's of a plain one: the local minimum of
 /// U(x) - int rho S g.r ds that energy descent reaches from `x`. O(N) an iteration.
 ///

@@ -8,10 +8,7 @@
 #include "rpc/chunk_stream.h"
 #include "rpc/convert_animation.h"
 #include "rpc/convert_groom.h"
-#include "rpc/groom_upload.h"
-#include "rpc/limits.h"
 #include "rpc/names.h"
-#include "rpc/raw.h"
 #include "rpc/rest_shape.h"
 #include "rpc/unary.h"
 
@@ -19,60 +16,6 @@ namespace mane::rpc {
 namespace {
 
 constexpr int kDefaultPageSize = 100;
-
-// Reads an upload message by message. Owns itself until OnDone().
-class CreateGroomCall final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
- public:
-  CreateGroomCall(GroomLibrary& library, exec::WorkerPool& solving, grpc::ByteBuffer* response)
-      : solving_(solving), upload_(library), response_(response) {
-    StartRead(&incoming_);
-  }
-
-  void OnReadDone(bool ok) override {
-    // Checking and solving are work for a worker; the next read starts when it is done.
-    solving_.Post([this, ok] {
-      try {
-        if (ok) {
-          Take();
-        } else {
-          Finish(ToStatus(InvalidArgument("commit", "the upload ended without commit")));
-        }
-      } catch (const std::exception& fault) {
-        Finish(ToStatus(Error{ErrorCode::kInternal, fault.what(), ""}));
-      }
-    });
-  }
-  void OnCancel() override { cancelled_ = true; }
-  void OnDone() override { delete this; }
-
- private:
-  void Take() {
-    v1::CreateGroomRequest request;
-    if (const auto parsed = Parse(&incoming_, &request); !parsed) {
-      return Finish(ToStatus(parsed.error()));
-    }
-    const Result<bool> last = upload_.Add(request);
-    if (!last) return Finish(ToStatus(last.error()));
-    if (*last) return Complete();
-    StartRead(&incoming_);
-  }
-
-  void Complete() {
-    if (cancelled_) return Finish(grpc::Status::CANCELLED);
-    const auto record = upload_.Finish();
-    if (!record) return Finish(ToStatus(record.error()));
-    v1::Groom groom;
-    FromRecord(*record, &groom);
-    *response_ = Serialize(groom);
-    Finish(grpc::Status::OK);
-  }
-
-  exec::WorkerPool& solving_;
-  GroomUpload upload_;
-  grpc::ByteBuffer incoming_;
-  grpc::ByteBuffer* const response_;
-  std::atomic<bool> cancelled_ = false;
-};
 
 // The parts of an export: the description, the scalp, then guides.
 class ExportParts {
@@ -152,7 +95,7 @@ class ExportParts {
 
 grpc::ServerReadReactor<grpc::ByteBuffer>* GroomService::CreateGroom(
     grpc::CallbackServerContext* /*context*/, grpc::ByteBuffer* response) {
-  return new CreateGroomCall(library_, solving_, response);
+  return uploads_.Start(response);
 }
 
 grpc::ServerUnaryReactor* GroomService::GetGroom(grpc::CallbackServerContext* context,

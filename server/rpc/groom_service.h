@@ -3,6 +3,7 @@
 #include <grpcpp/grpcpp.h>
 
 #include "mane/v1/groom.grpc.pb.h"
+#include "rpc/create_groom.h"
 #include "rpc/groom_library.h"
 
 namespace mane::rpc {
@@ -19,8 +20,12 @@ using GroomServiceBase = v1::GroomService::WithRawCallbackMethod_CreateGroom<
 /// shapes, which may take a minute, on `solving`.
 class GroomService final : public GroomServiceBase {
  public:
-  GroomService(GroomLibrary& library, exec::WorkerPool& requests, exec::WorkerPool& solving)
-      : library_(library), requests_(requests), solving_(solving) {}
+  GroomService(GroomLibrary& library, exec::WorkerPool& requests, exec::WorkerPool& solving,
+               const UploadLimits& limits)
+      : library_(library),
+        requests_(requests),
+        solving_(solving),
+        uploads_(library, solving, limits) {}
 
   grpc::ServerReadReactor<grpc::ByteBuffer>* CreateGroom(grpc::CallbackServerContext* context,
                                                          grpc::ByteBuffer* response) override;
@@ -43,6 +48,7 @@ class GroomService final : public GroomServiceBase {
   GroomLibrary& library_;
   exec::WorkerPool& requests_;
   exec::WorkerPool& solving_;
+  Uploads uploads_;
 };
 
 }  // namespace mane::rpc

@@ -96,15 +96,6 @@ TEST_F(GroomServiceTest, AnUploadThatEndsWithoutCommitStoresNothing) {
   EXPECT_EQ(GroomCount(), 0u);
 }
 
-TEST(GroomLimitTest, HugeGroomsAreRefused) {
-  TestServer server({.max_groom_guides = 5});
-  v1::Groom groom;
-  const grpc::Status status =
-      server.Upload(UploadOf(std::vector<v1::Guide>(6, GoodGuide())), &groom);
-  EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
-  EXPECT_EQ(NamedField(status), "guides");
-}
-
 TEST_F(GroomServiceTest, AnExportUploadsToAnEqualGroomAndSurvivesARestart) {
   auto messages = UploadOf({GoodGuide(3), GoodGuide(6)});
   messages[0].mutable_header()->set_groom_id("first");

@@ -7,6 +7,11 @@
 
 namespace mane::rpc {
 
+/// CreateGroom calls that may be under way at once.
+inline constexpr int kMaxUploads = 16;
+/// How long an upload may wait for its client's next message [s].
+inline constexpr double kMaxUploadIdle = 30;
+
 /// kInvalidArgument unless low <= value <= high; NaN is outside every range.
 inline Result<void> CheckRange(const std::string& field, double value, double low, double high) {
   if (value >= low && value <= high) return {};

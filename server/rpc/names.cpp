@@ -5,20 +5,12 @@
 #include <algorithm>
 
 #include "base/check.h"
+#include "base/text.h"
 
 namespace mane::rpc {
 namespace {
 
 constexpr size_t kMaxId = 63;
-
-// `text` for a message: its beginning, with everything but printable ASCII replaced, so that a cut
-// through a character leaves valid UTF-8.
-std::string Shown(const std::string& text) {
-  std::string shown = text.substr(0, 2 * kMaxId);
-  std::ranges::replace_if(
-      shown, [](char c) { return c < ' ' || c > '~'; }, '?');
-  return shown;
-}
 
 bool IsAlphanumeric(char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9'); }
 
@@ -31,7 +23,7 @@ Result<void> CheckId(const std::string& id, const std::string& field) {
   if (valid) return {};
   return InvalidArgument(field, fmt::format("{} is \"{}\"; it must be 1 to {} of a-z, 0-9 and -, "
                                             "and begin and end with a letter or digit",
-                                            field, Shown(id), kMaxId));
+                                            field, base::Shown(id), kMaxId));
 }
 
 Result<std::string> ParseName(const std::string& name, std::string_view collection,
@@ -42,7 +34,7 @@ Result<std::string> ParseName(const std::string& name, std::string_view collecti
     if (CheckId(id, field)) return id;
   }
   return InvalidArgument(field, fmt::format("{} is \"{}\"; it must be a name of the form {}{{id}}",
-                                            field, Shown(name), prefix));
+                                            field, base::Shown(name), prefix));
 }
 
 std::string RandomId() {

@@ -52,7 +52,8 @@ class RunningServer final : public Server {
         registry_(
             {options.max_heads, options.resume_grace_s, kElementStepsPerWorker * options.workers},
             realtime_, lockstep_),
-        groom_service_(grooms_, requests_, solving_),
+        groom_service_(grooms_, requests_, solving_,
+                       {options.max_uploads, options.max_upload_idle_s}),
         animation_service_(grooms_, registry_, requests_, options.resume_grace_s),
         job_service_(queue_, requests_),
         bake_service_(grooms_, queue_, *job_store_, solving_, requests_) {}

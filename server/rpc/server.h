@@ -6,6 +6,7 @@
 #include <string>
 
 #include "base/result.h"
+#include "rpc/limits.h"
 
 namespace mane::rpc {
 
@@ -22,8 +23,10 @@ struct ServerOptions {
   int max_heads = 1000;                   ///< See session::RegistryOptions.
   int max_groom_guides = 20000;           ///< Per groom.
   double resume_grace_s = 10;             ///< See session::RegistryOptions.
-  int max_message_bytes = 1 << 20;        ///< Received messages; more is RESOURCE_EXHAUSTED.
-  std::optional<Tls> tls = {};            ///< Plain text without.
+  int max_uploads = kMaxUploads;          ///< See UploadLimits.
+  double max_upload_idle_s = kMaxUploadIdle;
+  int max_message_bytes = 1 << 20;  ///< Received messages; more is RESOURCE_EXHAUSTED.
+  std::optional<Tls> tls = {};      ///< Plain text without.
   std::string token = {};  ///< Clients must send `authorization: Bearer <token>`; needs TLS.
 };
 

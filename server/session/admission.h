@@ -12,8 +12,9 @@ namespace mane::session {
 /// element-steps that take about as long. All are estimates, made to tell what fits easily from
 /// what cannot; the notices of late frames tell the truth.
 
-/// Element-steps that the diagnostics of one element count as.
-inline constexpr int kDiagnosticsSteps = 64;
+/// Element-steps that the diagnostics of one element count as, as measured against AVX-512's
+/// (`tests/bench/run rod`); they take some 430 ns.
+inline constexpr int kDiagnosticsSteps = 16;
 /// Element-steps that any frame counts as, however small: its task, message and system calls.
 inline constexpr double kFrameSteps = 2000;
 /// Element-steps that one point of a frame counts as, or one element in generalized coordinates.

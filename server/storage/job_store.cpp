@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "base/text.h"
+
 namespace mane::storage {
 
 namespace {
@@ -126,8 +128,8 @@ Result<int64_t> ParsePageToken(std::string_view token) {
   const char* end = token.data() + token.size();
   const auto parsed = std::from_chars(token.data(), end, sequence);
   if (parsed.ec == std::errc() && parsed.ptr == end && sequence > 0) return sequence;
-  return InvalidArgument("page_token",
-                         fmt::format("page_token is `{}`, which no answer gave", token));
+  return InvalidArgument(
+      "page_token", fmt::format("page_token is `{}`, which no answer gave", base::Shown(token)));
 }
 
 }  // namespace

@@ -175,6 +175,11 @@ TEST_F(JobStoreTest, WrongPagingIsRefused) {
     EXPECT_EQ(page.error().field, "page_token");
     EXPECT_NE(page.error().message.find(token), std::string::npos);
   }
+  // Long or unprintable ones are not repeated whole.
+  const auto page = store_->List(10, "\xc3\xa4" + std::string(100'000, 'x'));
+  ASSERT_FALSE(page);
+  EXPECT_EQ(page.error().message,
+            "page_token is `??" + std::string(124, 'x') + "`, which no answer gave");
   EXPECT_EQ(store_->List(0, "").error().field, "page_size");
 }
 

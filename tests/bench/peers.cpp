@@ -1,21 +1,22 @@
 // Mane's own rows of the comparison with other rod codes: one strand, clamped horizontally, that
 // settles under gravity, and the cost of its step. Prints one JSON object; peers.py merges it.
-//
-// Engine is the one place that knows which integrator runs.
 
 #include <fmt/format.h>
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <ctime>
 #include <string>
 #include <vector>
 
+#include "rod/batch.h"
 #include "rod/chain.h"
-#include "rod/step.h"
+#include "rod/scheme.h"
 #include "rod/strand.h"
+#include "simd/isa.h"
 
 namespace {
 
@@ -44,35 +45,53 @@ mane::rod::Strand MakeStrand(int elements) {
   return strand;
 }
 
-// The strands that are stepped, from their natural shape at rest: the tangent is world x, gravity
-// along -z.
+// A block of equal strands, one a lane, by the kernel of the fastest instruction set. They start
+// from their natural shape at rest: the tangent is world x, gravity along -z.
 class Engine {
  public:
-  static constexpr const char* kName = "mane, reference (double, scalar)";
-  static constexpr int kStrands = 1;
+  static constexpr int kStrands = mane::rod::layout::kLanes;
 
   explicit Engine(int elements)
       : strand_(MakeStrand(elements)),
+        batch_(std::vector<mane::rod::RootedStrand>(kStrands, {&strand_, {}})),
+        state_(batch_.state_rows()),
         theta_(elements, Vector3d::Zero()),
         rate_(theta_),
         velocity_(elements * mane::rod::kGaussPoints, Vector3d::Zero()) {
-    air_.gravity = {0, 0, -9.81};
+    for (int i = 0; i < kStrands; ++i) batch_.SetStrand(i, {theta_, rate_, velocity_}, state_);
+    mane::rod::Surroundings air;
+    air.gravity = {0, 0, -9.81};
+    mane::rod::SetDrive<float>({{}, {}, kDt}, air, 0, kStrands, drive_);
+  }
+
+  static std::string Name() {
+    return fmt::format("mane ({}, float32)", mane::simd::Name(mane::simd::Best()));
   }
 
   /// Advances every strand by one step. Whether the state is finite.
   bool Step() {
-    return mane::rod::Step(strand_, {{}, {}, kDt}, air_, {theta_, rate_, velocity_}, scratch_);
+    return mane::rod::StepBlock<float>(kernels_, batch_, batch_.blocks()[0], drive_, state_,
+                                       scratch_) == 0;
   }
 
-  [[nodiscard]] Vector3d Tip() const { return ElementFrames(strand_, {}, theta_).back().r; }
-
-  [[nodiscard]] double Speed() const { return rate_.back().norm(); }
+  /// Of the first strand, as all are equal.
+  Vector3d Tip() {
+    batch_.GetAngles(0, state_, theta_);
+    return ElementFrames(strand_, {}, theta_).back().r;
+  }
+  double Speed() {
+    batch_.GetStrand(0, state_, {theta_, rate_, velocity_});
+    return rate_.back().norm();
+  }
 
  private:
-  mane::rod::Strand strand_;
-  std::vector<Vector3d> theta_, rate_, velocity_;
-  mane::rod::Surroundings air_;
-  mane::rod::StepScratch scratch_;
+  const mane::rod::Strand strand_;
+  const mane::rod::Batch<float> batch_;
+  const mane::rod::KernelTable<float>& kernels_ = mane::rod::KernelsFor<float>(mane::simd::Best());
+  std::vector<mane::rod::Row<float>> state_;
+  std::array<mane::rod::Row<float>, mane::rod::layout::kDriveRows> drive_;
+  mane::rod::BatchScratch scratch_;
+  std::vector<Vector3d> theta_, rate_, velocity_;  // Of one strand.
 };
 
 // Processor time of this thread [s].
@@ -109,7 +128,7 @@ std::string Row(int elements, double reference_x, double reference_z) {
   return fmt::format(
       R"({{"name": "{}", "segments": {}, "dt": {:.9g}, "us_per_strand_step": {:.6g}, )"
       R"("tip_error_over_L": {}}})",
-      Engine::kName, elements, kDt, MicrosecondsPerStep(engine),
+      Engine::Name(), elements, kDt, MicrosecondsPerStep(engine),
       ok ? fmt::format("{:.6g}", error) : "null");
 }
 

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "exec/worker_pool.h"
+#include "head/diagnostics.h"
 #include "head/frame.h"
 #include "head/head.h"
 #include "head/sample_groom.h"
@@ -131,6 +132,14 @@ double HeadStep(const groom::Groom& groom) {
   });
 }
 
+// Seconds of the diagnostics of one frame, by one worker.
+double Diagnostics(const groom::Groom& groom) {
+  exec::WorkerPool pool(1);
+  head::HeadState state = head::AtRest(groom, HeadAt(0));
+  head::Advance(groom, {HeadAt(1), kDt, 1}, {}, &state, pool);
+  return Median(1, [&](int) { (void)head::Diagnose(groom, state, {}, pool); });
+}
+
 // Largest relative distance of times from their straight line over N.
 double Nonlinearity(const std::map<int, double>& times) {
   double n = 0, x = 0, y = 0, xx = 0, xy = 0;
@@ -167,6 +176,12 @@ int Main() {
     const double kernel = strands.Step(best, 1);
     head_over_kernel[guides] = HeadStep(strands.groom()) / kernel;
   }
+  std::map<int, double> diagnostics_over_step;
+  for (const int N : {5, 10}) {
+    Strands strands(1000, N);
+    const double step = strands.Step(best, 1);
+    diagnostics_over_step[N] = Diagnostics(strands.groom()) / step;
+  }
 
   const auto& fastest = us[std::string(simd::Name(best))];
   const auto object = [](const std::map<int, double>& values) {
@@ -186,11 +201,13 @@ int Main() {
   fmt::print(
       "{{\"isa\": \"{}\", \"us_per_strand_step\": {}, \"us_per_strand_step_by_isa\": {{{}}}, "
       "\"avx2_over_avx512\": {:.3g}, \"reference_us\": {}, \"scalar_double_over_best\": {}, "
-      "\"head_step_over_kernel\": {}, \"state_bytes_n5\": {:.4g}, \"us_by_elements\": {}, "
+      "\"head_step_over_kernel\": {}, \"diagnostics_over_step\": {}, \"state_bytes_n5\": {:.4g}, "
+      "\"us_by_elements\": {}, "
       "\"linear_in_n\": {:.3g}, \"us_by_strands\": {}, \"linear_in_strands\": {:.3g}}}\n",
       simd::Name(best), object(fastest), all, avx_ratio, object(by_reference), object(speedup),
-      object(head_over_kernel), Strands(kCount, 5).StateBytes(), object(by_elements),
-      Nonlinearity(by_elements), object(by_strands), by_strands[100000] / by_strands[1000]);
+      object(head_over_kernel), object(diagnostics_over_step), Strands(kCount, 5).StateBytes(),
+      object(by_elements), Nonlinearity(by_elements), object(by_strands),
+      by_strands[100000] / by_strands[1000]);
   return failed ? 1 : 0;
 }
 

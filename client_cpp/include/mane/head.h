@@ -67,7 +67,7 @@ struct HeadOptions {
   std::uint32_t max_unacked_frames = 0;  ///< kRealtime: frames on their way, 1 to 16; 0 means 3.
   Pose initial_pose = {};                ///< Where the head is before the first pose.
   Environment environment = {};
-  bool diagnostics = false;  ///< Every frame carries them; costs some ten time steps a frame.
+  bool diagnostics = false;  ///< Every frame carries them; costs some sixteen time steps a frame.
 
   /// kRealtime: how long a broken stream is retried before the head closes. Pauses between tries
   /// grow from 50 ms to 2 s.
@@ -82,8 +82,10 @@ struct Diagnostics {
   double elastic_energy_j = 0;   ///< 0 in the natural shape.
   double gravity_energy_j = 0;   ///< Of weight; 0 where every point lies as high as its root.
   double largest_angle_rad = 0;  ///< Of an element: twist and bends together.
-  /// Of the guide furthest from static equilibrium: its largest generalized force over the largest
-  /// moment that its weight can exert. At rest as small as rounding.
+  /// Of the guide furthest from static equilibrium: the largest moment of weight and elasticity
+  /// that is left about any axis of any element, over the largest of: what its weight can exert,
+  /// rho S |g| L^2 / 2; what its natural shape takes, (EI)_i |kappa^n_i|; the smallest (EI)_i / L.
+  /// At rest as small as the rounding of float32 angles.
   double imbalance = 0;
 };
 

@@ -211,7 +211,7 @@ class Client:
           max_unacked_frames: REALTIME: frames on their way at a time, 1 to 16; 3 unless given.
           initial_pose: a `Pose`: where the head is before the first one; its time is not used.
           environment: an `Environment`.
-          diagnostics: True for `Frame.diagnostics`, at the cost of some ten time steps a frame.
+          diagnostics: True for `Frame.diagnostics`, which cost some sixteen time steps a frame.
 
         Raises NotFound for an unknown groom, ResourceExhausted where the server is full.
         """

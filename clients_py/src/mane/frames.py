@@ -44,8 +44,10 @@ class Diagnostics:
       elastic_energy_j: [J]; 0 in the natural shape.
       gravity_energy_j: of weight [J]; 0 where every point lies as high as its root.
       largest_angle_rad: of an element, twist and bends together.
-      imbalance: of the guide furthest from static equilibrium: its largest generalized force over
-        the largest moment that its weight can exert. At rest as small as rounding.
+      imbalance: of the guide furthest from static equilibrium: the largest moment of weight and
+        elasticity that is left about any axis of any element, over the largest of: what its weight
+        can exert, rho S |g| L^2 / 2; what its natural shape takes, (EI)_i |kappa^n_i|; the smallest
+        (EI)_i / L. At rest as small as the rounding of float32 angles.
     """
 
     kinetic_energy_j: float
