@@ -139,6 +139,7 @@ Result<groom::Generation> ToGeneration(const v1::GuideGeneration& message) {
   generation.guide_count = message.guide_count();
   generation.length_m = message.length_m();
   generation.element_count = message.element_count();
+  if (message.has_error_target()) generation.error_target = message.error_target();
   generation.seed = message.seed();
   if (message.has_curl_variation()) generation.curl_variation = message.curl_variation();
   if (message.has_root_droop()) generation.root_droop = message.root_droop();
