@@ -64,6 +64,7 @@ v1::GuideGeneration ToProto(const GuideGeneration& generation) {
   out.set_guide_count(generation.guide_count);
   out.set_length_m(generation.length_m);
   out.set_element_count(generation.element_count);
+  if (generation.error_target) out.set_error_target(*generation.error_target);
   out.set_seed(generation.seed);
   out.set_curl_variation(generation.curl_variation);
   out.set_root_droop(generation.root_droop);

@@ -1,14 +1,18 @@
 #include "groom/generate.h"
 
+#include <fmt/format.h>
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
 #include "groom/presets.h"
 #include "groom/range.h"
+#include "groom/resolution.h"
 #include "groom/sampler.h"
 #include "groom/validate.h"
 #include "math/random.h"
@@ -58,6 +62,7 @@ Result<void> Validate(const Scalp& scalp, const Generation& generation, const Li
       {".guide_count", double(generation.guide_count), {1, double(limits.max_guides)}},
       {".length_m", generation.length_m, {0, kMaxLength, "m", true}},
       {".element_count", double(generation.element_count), {0, kMaxElementsPerGuide}},
+      {".error_target", generation.error_target.value_or(kDefaultErrorTarget), {1e-3, 0.2}},
       {".curl_variation", generation.curl_variation, {0, 1}},
       {".root_droop", generation.root_droop, {0, 1}},
   };
@@ -66,14 +71,22 @@ Result<void> Validate(const Scalp& scalp, const Generation& generation, const Li
       return OutOfRange(path + field.name, field.value, field.range);
     }
   }
+  if (generation.error_target && generation.element_count != 0) {
+    return InvalidArgument(
+        path + ".error_target",
+        fmt::format("{0}.error_target is {1} beside {0}.element_count {2}; give one of them", path,
+                    *generation.error_target, generation.element_count));
+  }
+  if (generation.model) {
+    if (auto ok = CheckModel(path + ".model", *generation.model); !ok) return ok;
+  }
   return ValidateScalp(scalp, limits);
 }
 
 // What all guides of `generation` share.
-GuideDescription CommonDescription(const Preset& preset, const Generation& generation, int N) {
+GuideDescription CommonDescription(const Preset& preset, std::vector<double> lengths) {
   GuideDescription d;
-  d.length_m = generation.length_m;
-  d.element_count = static_cast<uint32_t>(N);
+  d.element_lengths_m = std::move(lengths);
   d.radius_1_m = preset.section.radius_1;
   d.radius_2_m = preset.section.radius_2;
   d.young_modulus_pa = preset.material.young_modulus;
@@ -93,19 +106,39 @@ void SetNatural(const std::vector<Vector3d>& natural, GuideDescription* d) {
   }
 }
 
+// Whether the guides are to be wound strands: as asked for, or where the hair of even curl would be.
+bool MostlyWound(const Generation& generation) {
+  if (generation.model) return *generation.model == StrandModel::kWound;
+  const Preset preset = PresetOf(generation.hair_type);
+  const int N = generation.element_count != 0
+                    ? static_cast<int>(generation.element_count)
+                    : ElementCountFor(generation.hair_type, generation.length_m,
+                                      generation.error_target.value_or(kDefaultErrorTarget), true);
+  rod::Strand strand;
+  strand.length.assign(N, generation.length_m / N);
+  strand.natural.assign(N, NaturalCurvature(preset));
+  strand.stiffness = rod::Stiffness(preset.section, preset.material);
+  return rod::IsWound(strand);
+}
+
 }  // namespace
 
 Result<std::vector<Guide>> Generate(const Scalp& scalp, const Generation& generation,
                                     const Limits& limits) {
   if (auto valid = Validate(scalp, generation, limits); !valid) return valid.error();
   const int n = static_cast<int>(generation.guide_count);
+  const bool wound = MostlyWound(generation);
   const int N = generation.element_count != 0
                     ? static_cast<int>(generation.element_count)
-                    : DefaultElementCount(generation.hair_type, generation.length_m);
+                    : ElementCountFor(generation.hair_type, generation.length_m,
+                                      generation.error_target.value_or(kDefaultErrorTarget), wound);
   if (const long elements = long{n} * N; elements > limits.max_elements) {
     return TooMany("header.generate.guide_count", "elements", elements, limits.max_elements);
   }
-  if (const Range range{kMinElementLength * N, kMaxLength, "m"};
+  const std::vector<double> lengths =
+      rod::GradedLengths(GradingOf(generation.hair_type, generation.length_m, wound), N);
+  const double shortest = *std::ranges::min_element(lengths) / generation.length_m;
+  if (const Range range{kMinElementLength / shortest, kMaxLength, "m"};
       !range.Contains(generation.length_m)) {
     return OutOfRange("header.generate.length_m", generation.length_m, range);
   }
@@ -113,16 +146,20 @@ Result<std::vector<Guide>> Generate(const Scalp& scalp, const Generation& genera
   const Preset preset = PresetOf(generation.hair_type);
   const Vector3d mean = NaturalCurvature(preset);
   const std::vector<ScalpPoint> roots = SampleScalp(scalp, n, generation.seed);
-  GuideDescription d = CommonDescription(preset, generation, N);
+  GuideDescription d = CommonDescription(preset, lengths);
   std::vector<Guide> guides;
   guides.reserve(n);
   for (int i = 0; i < n; ++i) {
     math::RandomStream random(generation.seed, static_cast<uint64_t>(i));
     d.root_position = roots[i].position;
     d.root_frame = RootFrame(roots[i].normal, generation.root_droop, random.Uniform(0, 2 * pi));
-    SetNatural(CurlVariation(mean, generation.curl_variation, N, random), &d);
+    SetNatural(CurlVariation(mean, generation.curl_variation, lengths, random), &d);
     auto guide = MakeGuide(d, i);
     if (!guide) return guide.error();
+    // One whose curl varies too much for that stays plain, unless it was asked for.
+    if (wound && (generation.model || rod::IsWound(guide->strand))) {
+      if (auto made = MakeWound(i, &*guide); !made) return made.error();
+    }
     guides.push_back(*std::move(guide));
   }
   return guides;
@@ -139,14 +176,18 @@ Eigen::Quaterniond RootFrame(const Vector3d& normal, double droop, double phase)
   return (leave * Eigen::AngleAxisd(phase, Vector3d::UnitX())).normalized();
 }
 
-std::vector<Vector3d> CurlVariation(const Vector3d& mean, double relative, int N,
-                                    math::RandomStream& random) {
+std::vector<Vector3d> CurlVariation(const Vector3d& mean, double relative,
+                                    std::span<const double> lengths, math::RandomStream& random) {
   const std::array<SmoothNoise, 3> noise{SmoothNoise(random), SmoothNoise(random),
                                          SmoothNoise(random)};
   const Vector3d scale = relative * Vector3d(mean[0], mean[1], mean[1]);
-  std::vector<Vector3d> natural(N, mean);
-  for (int Q = 0; Q < N; ++Q) {
-    for (int k = 0; k < 3; ++k) natural[Q][k] += scale[k] * noise[k].At((Q + 0.5) / N);
+  const double L = std::accumulate(lengths.begin(), lengths.end(), 0.0);
+  std::vector<Vector3d> natural(lengths.size(), mean);
+  double left = 0;
+  for (size_t Q = 0; Q < lengths.size(); ++Q) {
+    const double middle = (left + 0.5 * lengths[Q]) / L;
+    for (int k = 0; k < 3; ++k) natural[Q][k] += scale[k] * noise[k].At(middle);
+    left += lengths[Q];
   }
   return natural;
 }

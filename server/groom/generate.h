@@ -3,6 +3,8 @@
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "base/result.h"
@@ -17,14 +19,18 @@ struct Generation {
   HairType hair_type = HairType::kCustom;  ///< Must be set to a preset.
   uint32_t guide_count = 0;
   double length_m = 0;
-  uint32_t element_count = 0;  ///< 0 for DefaultElementCount.
+  uint32_t element_count = 0;                         ///< 0 for ElementCountFor(error_target).
+  std::optional<double> error_target = std::nullopt;  ///< Only where element_count is 0.
   uint64_t seed = 0;
   double curl_variation = 0.05;  ///< Standard deviation, relative; see CurlVariation.
   double root_droop = 0.3;
+  /// Where absent, guides that rod::IsWound says so of are wound, in hair that is so on average.
+  std::optional<StrandModel> model = std::nullopt;
 };
 
 /// Guides of one preset on `scalp`: roots by SampleScalp, frames by RootFrame with a uniform random
-/// phase, so that curls start in all directions, and natural curvatures by CurlVariation. Guide i
+/// phase, so that curls start in all directions, element lengths by rod::GradedLengths and natural
+/// curvatures by CurlVariation. Guide i
 /// draws from stream i of the seed. Same arguments, same bits.
 ///
 /// @param scalp  any; it is validated here.
@@ -44,15 +50,16 @@ struct Generation {
 [[nodiscard]] Eigen::Quaterniond RootFrame(const Eigen::Vector3d& normal, double droop,
                                            double phase);
 
-/// Natural (twist, curvature 1, curvature 2) [rad/m] of the `N` >= 1 elements of one guide around
-/// `mean` ([SH06] 4.2: small random variations along each strand).
+/// Natural (twist, curvature 1, curvature 2) [rad/m] of the elements of one guide, of given lengths
+/// [m], around `mean` ([SH06] 4.2: small random variations along each strand).
 ///
 /// Adds relative * mean twist * f_0(s) to the twist and relative * mean curvature 1 * f_1(s),
 /// f_2(s) to the curvatures, where each f is a sum of three cosines of random phase and frequency,
 /// at most two periods along the strand: smooth, of mean 0, variance 1, and never above sqrt(6) in
-/// size. Taken at the middle of equal elements. Straight hair stays straight.
+/// size. Taken at the middle of each element. Straight hair stays straight.
 [[nodiscard]] std::vector<Eigen::Vector3d> CurlVariation(const Eigen::Vector3d& mean,
-                                                         double relative, int N,
+                                                         double relative,
+                                                         std::span<const double> lengths,
                                                          math::RandomStream& random);
 
 }  // namespace mane::groom

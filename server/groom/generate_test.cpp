@@ -21,6 +21,7 @@
 #include <string>
 
 #include "groom/presets.h"
+#include "groom/resolution.h"
 
 namespace mane::groom {
 namespace {
@@ -60,7 +61,7 @@ TEST(GenerateTest, MakesGuidesOfThePresetThatLeaveTheScalp) {
       EXPECT_LE(n0.y(), normal.y() + 1e-12);
       EXPECT_NEAR(guide.root.q.norm(), 1, 1e-15);
 
-      EXPECT_EQ(guide.strand.elements(), DefaultElementCount(type, 0.2));
+      EXPECT_EQ(guide.strand.elements(), ElementCountFor(type, 0.2, kDefaultErrorTarget, false));
       EXPECT_NEAR(guide.strand.TotalLength(), 0.2, 1e-16 * 32);
       EXPECT_EQ(guide.section.radius_1, preset.section.radius_1);
       EXPECT_EQ(guide.section.radius_2, preset.section.radius_2);
@@ -77,7 +78,19 @@ TEST(GenerateTest, TakesTheElementCountAsked) {
   const auto guides = Generate(Head(), generation, {});
   ASSERT_TRUE(guides);
   for (const Guide& guide : *guides) {
-    EXPECT_EQ(guide.strand.length, std::vector<double>(7, 0.2 / 7));
+    EXPECT_EQ(guide.strand.length,
+              rod::GradedLengths(GradingOf(HairType::kCaucasianCurly, 0.2, false), 7));
+  }
+}
+
+TEST(GenerateTest, TakesTheElementsThatTheErrorTargetNeeds) {
+  Generation generation = Request(HairType::kCaucasianWavy);
+  for (const double target : {0.2, 0.02, 0.005}) {
+    generation.error_target = target;
+    const auto guides = Generate(Head(), generation, {});
+    ASSERT_TRUE(guides);
+    EXPECT_EQ(guides->front().strand.elements(),
+              ElementCountFor(HairType::kCaucasianWavy, 0.2, target, false));
   }
 }
 
@@ -170,13 +183,25 @@ TEST(RootFrameTest, PhaseTurnsAboutTheStrand) {
   EXPECT_LT((turn.axis() - Vector3d::UnitX()).norm(), 1e-12);
 }
 
+std::vector<double> Equal(int N) { return std::vector<double>(N, 0.2 / N); }
+
+TEST(CurlVariationTest, IsTakenAtTheMiddleOfEachElement) {
+  // The middle of the second of three elements is that of the only one.
+  math::RandomStream a(7, 0), b(7, 0);
+  const Vector3d mean(20, 100, 0);
+  EXPECT_LT((CurlVariation(mean, 0.1, std::vector{0.05, 0.1, 0.05}, a)[1] -
+             CurlVariation(mean, 0.1, Equal(1), b)[0])
+                .norm(),
+            1e-12);
+}
+
 TEST(CurlVariationTest, HasTheMeanAndSizeAsked) {
   const Vector3d mean(20, 100, 0);
   Vector3d sum = Vector3d::Zero(), squares = Vector3d::Zero();
   constexpr int kGuides = 4000, kElements = 10;
   for (uint64_t guide = 0; guide < kGuides; ++guide) {
     math::RandomStream random(1, guide);
-    for (const Vector3d& natural : CurlVariation(mean, 0.05, kElements, random)) {
+    for (const Vector3d& natural : CurlVariation(mean, 0.05, Equal(kElements), random)) {
       const Vector3d deviation = natural - mean;
       sum += deviation / (kGuides * kElements);
       squares += deviation.cwiseAbs2() / (kGuides * kElements);
@@ -193,7 +218,7 @@ TEST(CurlVariationTest, HasTheMeanAndSizeAsked) {
 TEST(CurlVariationTest, IsSmoothAlongTheStrand) {
   // |f'| <= sqrt(2/3) 3 2 pi 2: neighbours of 100 elements differ by at most 0.31 of the size.
   math::RandomStream random(5, 0);
-  const auto natural = CurlVariation({0, 1, 0}, 1, 100, random);
+  const auto natural = CurlVariation({0, 1, 0}, 1, Equal(100), random);
   for (size_t Q = 1; Q < natural.size(); ++Q) {
     EXPECT_LT((natural[Q] - natural[Q - 1]).cwiseAbs().maxCoeff(), 0.31);
   }
@@ -201,11 +226,11 @@ TEST(CurlVariationTest, IsSmoothAlongTheStrand) {
 
 TEST(CurlVariationTest, LeavesStraightHairStraightAndZeroLeavesTheMean) {
   math::RandomStream random(5, 0);
-  for (const Vector3d& n : CurlVariation(Vector3d::Zero(), 1, 10, random)) {
+  for (const Vector3d& n : CurlVariation(Vector3d::Zero(), 1, Equal(10), random)) {
     EXPECT_EQ(n, Vector3d::Zero());
   }
   const Vector3d mean(20, 100, 0);
-  for (const Vector3d& n : CurlVariation(mean, 0, 10, random)) EXPECT_EQ(n, mean);
+  for (const Vector3d& n : CurlVariation(mean, 0, Equal(10), random)) EXPECT_EQ(n, mean);
 }
 
 struct BadRequest {
@@ -252,6 +277,15 @@ INSTANTIATE_TEST_SUITE_P(
         BadRequest{"LongLength", [](G& g) { g.length_m = 6; }, "length_m"},
         BadRequest{"TinyLength", [](G& g) { g.length_m = 1e-9; }, "length_m"},
         BadRequest{"AbsurdElementCount", [](G& g) { g.element_count = 257; }, "element_count"},
+        BadRequest{"TinyErrorTarget", [](G& g) { g.error_target = 1e-4; }, "error_target"},
+        BadRequest{"LargeErrorTarget", [](G& g) { g.error_target = 0.5; }, "error_target"},
+        BadRequest{"NanErrorTarget", [](G& g) { g.error_target = kNan; }, "error_target"},
+        BadRequest{"ErrorTargetBesideElements",
+                   [](G& g) {
+                     g.element_count = 5;
+                     g.error_target = 0.01;
+                   },
+                   "error_target"},
         BadRequest{"NegativeVariation", [](G& g) { g.curl_variation = -0.1; }, "curl_variation"},
         BadRequest{"LargeVariation", [](G& g) { g.curl_variation = 1.1; }, "curl_variation"},
         BadRequest{"NanVariation", [](G& g) { g.curl_variation = kNan; }, "curl_variation"},

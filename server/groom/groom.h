@@ -20,6 +20,9 @@ namespace mane::groom {
 /// Hair types of [SH06] Appendix B; kCustom is hair whose guides were uploaded.
 enum class HairType { kCustom, kAsianSmooth, kCaucasianWavy, kCaucasianCurly, kAfricanFuzzy };
 
+/// How a guide is described by its unknowns: mane.v1.StrandModel.
+enum class StrandModel : int { kSuperHelix, kWound };
+
 /// Triangles in the head frame, counter-clockwise seen from outside.
 struct TriangleMesh {
   std::vector<Eigen::Vector3f> vertices;           ///< [m]

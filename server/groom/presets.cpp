@@ -1,7 +1,5 @@
 #include "groom/presets.h"
 
-#include <algorithm>
-#include <cmath>
 #include <numbers>
 
 #include "base/check.h"
@@ -10,11 +8,6 @@ namespace mane::groom {
 namespace {
 
 constexpr double kDensity = 1300;  // kg/m^3, [SH06] 4.2.
-
-constexpr double kElementLength = 0.04;  // m
-constexpr double kElementTurn = 2;       // rad
-constexpr double kFewestElements = 5;
-constexpr double kMostElements = 20;
 
 rod::Section Ellipse(double mean_radius, double ellipticity) {
   const double minor = 2 * mean_radius / (1 + ellipticity);
@@ -44,12 +37,6 @@ Eigen::Vector3d NaturalCurvature(const Preset& preset) {
   const double r = preset.helix_radius;
   if (r == 0) return Eigen::Vector3d::Zero();
   return {preset.helix_step / (2 * std::numbers::pi * r * r), 1 / r, 0};
-}
-
-int DefaultElementCount(HairType type, double length) {
-  const double turn = NaturalCurvature(PresetOf(type)).norm() * length;
-  const double N = std::ceil(std::max(length / kElementLength, turn / kElementTurn));
-  return static_cast<int>(std::clamp(N, kFewestElements, kMostElements));
 }
 
 }  // namespace mane::groom

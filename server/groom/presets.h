@@ -36,15 +36,4 @@ struct Preset {
 /// mm and step 2.8 mm. The values are kept as published.
 [[nodiscard]] Eigen::Vector3d NaturalCurvature(const Preset& preset);
 
-/// Elements for a guide of `length` [m] > 0 where the author names none: one per 4 cm or one per
-/// 2 rad of natural turning, whichever is more, and from 5 to 20.
-///
-/// 4 cm keeps the tip of smooth hair hanging from a horizontal root within a few percent of its
-/// length; 2 rad is three elements a turn, the coarsest that resolves a coil: wavy hair of 0.2 m
-/// gets 11, curly hair of 0.2 m 17 and of 0.3 m 20. The upper bound keeps a head in real time. It
-/// leaves fuzzy hair, 300 turns a metre, coarse at every length: an element of several turns cannot
-/// bend the axis of its coil, so that the strand is too stiff there, and its tip may be off by a
-/// quarter of the length or more. More elements up to 256 help only from about three a turn.
-[[nodiscard]] int DefaultElementCount(HairType type, double length);
-
 }  // namespace mane::groom

@@ -3,7 +3,6 @@
 //   helix      natural curvatures are those of 4.2; straight hair has none
 //   stiffness  a guide's stiffness and mass are the closed forms of its section, softest about n1
 //   friction   gamma and nu lie in the ranges of 4.2
-//   elements   the default count follows its rule and its bounds
 
 #include "groom/presets.h"
 
@@ -83,17 +82,6 @@ TEST(PresetStiffness, OfRoundHairIsThatOfACircle) {
   EXPECT_NEAR(EI[2], EI[1], 1e-22);
   EXPECT_NEAR(EI[0], 1e9 / (2 * 1.48) * pi * r4 / 2, 1e-20);  // mu pi r^4 / 2
   EXPECT_NEAR(rod::LinearDensity(smooth.section, smooth.material), 1300 * pi * 2.5e-9, 1e-18);
-}
-
-TEST(DefaultElementCount, FollowsLengthForStraightHairAndTurnsForCurledHair) {
-  EXPECT_EQ(DefaultElementCount(HairType::kAsianSmooth, 0.1), 5);      // Floor.
-  EXPECT_EQ(DefaultElementCount(HairType::kAsianSmooth, 0.3), 8);      // 4 cm each.
-  EXPECT_EQ(DefaultElementCount(HairType::kCaucasianWavy, 0.2), 11);   // 20.06 rad.
-  EXPECT_EQ(DefaultElementCount(HairType::kCaucasianCurly, 0.2), 17);  // 33.6 rad.
-  EXPECT_EQ(DefaultElementCount(HairType::kCaucasianCurly, 0.3), 20);  // Ceiling.
-  EXPECT_EQ(DefaultElementCount(HairType::kAfricanFuzzy, 0.1), 20);
-  EXPECT_EQ(DefaultElementCount(HairType::kAsianSmooth, 5), 20);
-  EXPECT_EQ(DefaultElementCount(HairType::kAfricanFuzzy, 1e-6), 5);
 }
 
 }  // namespace

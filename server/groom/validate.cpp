@@ -164,15 +164,28 @@ Result<Guide> MakeGuide(const GuideDescription& d, int index) {
   strand.linear_density = rod::LinearDensity(guide.section, guide.material);
   strand.internal_friction = d.internal_friction;
   strand.air_drag = d.air_drag;
-  if (d.wound) {
-    if (rod::NaturalTurns(strand) == 0) {
-      return InvalidArgument(path + "model",
-                             path + "model is WOUND; that needs a natural curvature other than zero "
-                                    "in every element: set natural_curvature_1 or 2");
-    }
-    guide.wound = rod::MakeWound(strand);
+  if (auto ok = CheckModel(path + "model", d.model); !ok) return ok.error();
+  if (d.model == StrandModel::kWound) {
+    if (auto wound = MakeWound(index, &guide); !wound) return wound.error();
   }
   return guide;
+}
+
+Result<void> CheckModel(const std::string& field, StrandModel model) {
+  if (model == StrandModel::kSuperHelix || model == StrandModel::kWound) return {};
+  return InvalidArgument(field, fmt::format("{} is {}; it must be SUPER_HELIX (1) or WOUND (2)", field,
+                                            static_cast<int>(model) + 1));
+}
+
+Result<void> MakeWound(int index, Guide* guide) {
+  if (rod::NaturalTurns(guide->strand) == 0) {
+    const std::string field = fmt::format("guides[{}].model", index);
+    return InvalidArgument(field,
+                           field + " is WOUND, but an element has no natural curvature to wind by: "
+                                   "set natural_curvature_1 or 2 in all, or use SUPER_HELIX");
+  }
+  guide->wound = rod::MakeWound(guide->strand);
+  return {};
 }
 
 GuideDescription Describe(const Guide& guide) {
@@ -200,7 +213,7 @@ GuideDescription Describe(const Guide& guide) {
   d.natural_twist = DescribeNatural(strand.natural, 0);
   d.natural_curvature_1 = DescribeNatural(strand.natural, 1);
   d.natural_curvature_2 = DescribeNatural(strand.natural, 2);
-  d.wound = guide.wound.has_value();
+  if (guide.wound) d.model = StrandModel::kWound;
   return d;
 }
 

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "base/result.h"
@@ -35,7 +36,7 @@ struct GuideDescription {
   std::vector<double> natural_twist;
   std::vector<double> natural_curvature_1;
   std::vector<double> natural_curvature_2;
-  bool wound = false;  ///< STRAND_MODEL_WOUND.
+  StrandModel model = StrandModel::kSuperHelix;
 };
 
 /// The guide that `description` says, its stiffness and linear density derived.
@@ -46,6 +47,15 @@ struct GuideDescription {
 /// @param index  of the guide in its groom; errors name fields as `guides[<index>].length_m`.
 /// @return INVALID_ARGUMENT for the first field out of its range; NaN is out of every range.
 [[nodiscard]] Result<Guide> MakeGuide(const GuideDescription& description, int index);
+
+/// INVALID_ARGUMENT naming `field` unless `model` is one of StrandModel's.
+[[nodiscard]] Result<void> CheckModel(const std::string& field, StrandModel model);
+
+/// Makes `guide` a wound strand.
+///
+/// @param index  as for MakeGuide. @return INVALID_ARGUMENT naming `guides[<index>].model` where an
+/// element has no natural curvature, so that there is no coil.
+[[nodiscard]] Result<void> MakeWound(int index, Guide* guide);
 
 /// The inverse: MakeGuide(Describe(guide)) equals `guide` bit for bit, if MakeGuide made it. Lists
 /// are as short as they can be.

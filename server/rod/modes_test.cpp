@@ -1,6 +1,7 @@
 // Small vibrations of a straight cantilever:
 //   frequency   the first natural frequency of M and K tends to 1.8751^2 sqrt(EI / (rho S L^4)),
 //               second order in the number of elements
+//   graded      graded lengths bring it nearer
 //   step        small free vibrations of the time step have it in the limit dt -> 0, and nothing
 //               damps them
 //   damping     they decay by nu / (2 rho S) from drag and gamma omega^2 / (2 EI) from friction
@@ -12,6 +13,7 @@
 #include <cmath>
 
 #include "rod/chain.h"
+#include "rod/graded_lengths.h"
 #include "rod/step.h"
 #include "rod/test_strands.h"
 
@@ -60,6 +62,24 @@ TEST(ModesTest, FirstFrequencyConvergesToTheBeamsAtSecondOrder) {
   EXPECT_LT(error[4], 6e-4);
   EXPECT_NEAR(std::log2(error[2] / error[3]), 2, 0.1);
   EXPECT_NEAR(std::log2(error[3] / error[4]), 2, 0.05);
+}
+
+TEST(ModesTest, GradedLengthsBringTheFirstFrequencyOfLightHairNearer) {
+  // Equal lengths are 0.780 and 0.194 % off; the best lengths there are, found by descent, 0.649
+  // and 0.158 %: what is left is not a matter of lengths.
+  const std::pair<int, double> cases[] = {{5, 7.0e-3}, {10, 1.75e-3}};
+  for (const auto& [N, at_most] : cases) {
+    Strand strand = fixtures::HeavyStrand(1, N);
+    const double equal = FirstMode(strand).omega / BeamFrequency(strand) - 1;
+    strand.length = GradedLengths({.length = strand.TotalLength(),
+                                   .stiffness = strand.stiffness[1],
+                                   .linear_density = strand.linear_density},
+                                  N);
+    const double graded = FirstMode(strand).omega / BeamFrequency(strand) - 1;
+    EXPECT_LT(graded, at_most) << N;
+    EXPECT_LT(graded, 0.92 * equal) << N;
+    EXPECT_GT(graded, 0);
+  }
 }
 
 // Frequency and decay rate of a small free vibration in the first mode at the step `dt`, from the

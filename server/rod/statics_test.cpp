@@ -1,6 +1,7 @@
 // Properties of the static equilibrium:
 //   elastica    converges, second order in the number of elements, to the planar heavy elastica,
 //               solved here as a boundary value problem
+//   graded      with graded element lengths its tip is off by a tenth of that
 //   minimum     no small change of the angles lowers the energy
 //   buckling    an upright straight strand leaves its saddle above Greenhill's number, and only
 //   there natural     without gravity the natural shape of every hair type is the rest shape
@@ -16,6 +17,7 @@
 #include <cmath>
 
 #include "rod/energy.h"
+#include "rod/graded_lengths.h"
 #include "rod/test_strands.h"
 
 namespace mane::rod {
@@ -102,6 +104,28 @@ TEST(StaticsTest, ConvergesToTheHeavyElasticaAtSecondOrder) {
     SCOPED_TRACE(number);
     EXPECT_NEAR(std::log2(error[3] / error[4]), 2, 0.15);
     EXPECT_LT(error[4], number < 100 ? 2e-4 : number < 200 ? 2e-3 : 4e-3);
+  }
+}
+
+TEST(StaticsTest, GradedLengthsCutTheErrorOfHeavyHairTenfold) {
+  struct Case {
+    double number;
+    int N;
+    double at_most;  // Distance of the tip over L.
+  };
+  // Number 163 is smooth hair of 20 cm; equal lengths are off by 3.1 and 0.79 %.
+  for (const Case& c : {Case{163.24, 5, 2e-3}, Case{163.24, 10, 5e-4}, Case{20, 5, 4e-3},
+                        Case{551, 5, 3e-3}, Case{551, 10, 5e-4}, Case{2000, 10, 5e-4}}) {
+    const HeavyElastica exact(c.number);
+    const Vector3d tip(kL * exact.across(), -kL * exact.down(), 0);
+    Strand strand = fixtures::HeavyStrand(c.number, c.N);
+    strand.length = GradedLengths(
+        {.length = kL, .stiffness = strand.stiffness[2], .linear_density = strand.linear_density},
+        c.N);
+    State state(strand);
+    EXPECT_TRUE(SolveRestShape(strand, {}, kGravity, state.theta).converged);
+    EXPECT_LT((Tip(strand, {}, state.theta) - tip).norm() / kL, c.at_most)
+        << c.number << " " << c.N;
   }
 }
 

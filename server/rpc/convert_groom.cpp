@@ -45,6 +45,13 @@ void FromEntries(const std::vector<Entry>& entries, std::string* bytes) {
   bytes->assign(reinterpret_cast<const char*>(entries.data()), entries.size() * sizeof(Entry));
 }
 
+// None where it is unset. What this program does not know stays a number that no model has.
+std::optional<groom::StrandModel> ToModel(v1::StrandModel model) {
+  if (model == v1::STRAND_MODEL_UNSPECIFIED) return std::nullopt;
+  static_assert(v1::STRAND_MODEL_WOUND - 1 == static_cast<int>(groom::StrandModel::kWound));
+  return static_cast<groom::StrandModel>(model - 1);
+}
+
 }  // namespace
 
 groom::GuideDescription ToDescription(const v1::Guide& message) {
@@ -67,7 +74,7 @@ groom::GuideDescription ToDescription(const v1::Guide& message) {
   guide.natural_twist = ToList(message.natural_twist());
   guide.natural_curvature_1 = ToList(message.natural_curvature_1());
   guide.natural_curvature_2 = ToList(message.natural_curvature_2());
-  guide.wound = message.model() == v1::STRAND_MODEL_WOUND;
+  if (const auto model = ToModel(message.model())) guide.model = *model;
   return guide;
 }
 
@@ -91,7 +98,7 @@ void FromDescription(const groom::GuideDescription& guide, v1::Guide* message) {
   FromList(guide.natural_twist, message->mutable_natural_twist());
   FromList(guide.natural_curvature_1, message->mutable_natural_curvature_1());
   FromList(guide.natural_curvature_2, message->mutable_natural_curvature_2());
-  if (guide.wound) message->set_model(v1::STRAND_MODEL_WOUND);
+  if (guide.model == groom::StrandModel::kWound) message->set_model(v1::STRAND_MODEL_WOUND);
 }
 
 Result<void> AppendMesh(const v1::TriangleMesh& message, groom::TriangleMesh* mesh) {
@@ -141,9 +148,11 @@ Result<groom::Generation> ToGeneration(const v1::GuideGeneration& message) {
   generation.guide_count = message.guide_count();
   generation.length_m = message.length_m();
   generation.element_count = message.element_count();
+  if (message.has_error_target()) generation.error_target = message.error_target();
   generation.seed = message.seed();
   if (message.has_curl_variation()) generation.curl_variation = message.curl_variation();
   if (message.has_root_droop()) generation.root_droop = message.root_droop();
+  generation.model = ToModel(message.model());
   return generation;
 }
 

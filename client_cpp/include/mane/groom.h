@@ -70,8 +70,11 @@ struct GuideGeneration {
   HairType hair_type = HairType::kUnspecified;  ///< Required.
   std::uint32_t guide_count = 0;    ///< 1 to the server's limit, blue noise over the hair region.
   double length_m = 0;              ///< [m], in (0, 5].
-  std::uint32_t element_count = 0;  ///< N per guide; 0 lets the server choose.
-  std::uint64_t seed = 0;           ///< Same scalp, same numbers, same seed: same bits.
+  std::uint32_t element_count = 0;  ///< N per guide, of graded lengths; 0 lets the server choose.
+  /// With element_count 0: how far a tip may be from where infinitely many elements would have it,
+  /// at rest and in a moderate shake, rms, relative to the length. In [1e-3, 0.2]; unset is 0.02.
+  std::optional<double> error_target;
+  std::uint64_t seed = 0;  ///< Same scalp, same numbers, same seed: same bits.
   /// Relative variation of natural curvatures and twist along a strand, in [0, 1].
   double curl_variation = 0.05;
   /// How far roots lean from the scalp's normal toward the ground, 0 (not at all) to 1.

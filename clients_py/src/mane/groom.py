@@ -112,12 +112,17 @@ class GuideGeneration:
       hair_type: a `HairType` or its value, such as `"caucasian_wavy"`.
       guide_count: 1 to the server's limit; placed by blue noise over the hair region.
       length_m: in (0, 5] [m].
-      element_count: elements per guide; 0 lets the server choose by hair type and length.
+      element_count: elements per guide, of graded lengths, shortest where hair bends most; 0 lets
+        the server choose, 3 to 20, by hair type, length and `error_target`.
       seed: of everything random.
       curl_variation: relative size of the variation of natural curvatures and twist along each
         strand, in [0, 1]; None is the server's default, 0.05.
       root_droop: how far roots lean from the scalp's normal toward the ground, 0 (along the normal)
         to 1; None is the server's default, 0.3.
+      error_target: with element_count 0, how far the tip of a guide may be from where infinitely
+        many elements would have it, at rest and in a moderate shake, rms, relative to its length.
+        In [1e-3, 0.2]; None is the server's default, 0.02. Hair that coils too tightly for 20
+        elements to reach it gets 20.
     """
 
     hair_type: HairType | str
@@ -127,6 +132,7 @@ class GuideGeneration:
     seed: int = 0
     curl_variation: float | None = None
     root_droop: float | None = None
+    error_target: float | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -147,6 +147,7 @@ def generation(value: GuideGeneration) -> groom_pb2.GuideGeneration:
         seed=value.seed,
         curl_variation=value.curl_variation,
         root_droop=value.root_droop,
+        error_target=value.error_target,
     )
 
 
