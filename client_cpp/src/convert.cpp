@@ -46,6 +46,7 @@ v1::Guide ToProto(const Guide& guide) {
                                             guide.natural_curvature_1.end());
   out.mutable_natural_curvature_2()->Assign(guide.natural_curvature_2.begin(),
                                             guide.natural_curvature_2.end());
+  out.set_model(static_cast<v1::StrandModel>(guide.model));
   return out;
 }
 
@@ -68,6 +69,7 @@ v1::GuideGeneration ToProto(const GuideGeneration& generation) {
   out.set_seed(generation.seed);
   out.set_curl_variation(generation.curl_variation);
   out.set_root_droop(generation.root_droop);
+  out.set_model(static_cast<v1::StrandModel>(generation.model));
   return out;
 }
 

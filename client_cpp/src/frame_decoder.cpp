@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstddef>
 #include <span>
 
@@ -27,7 +28,30 @@ float* Append(std::span<const Eigen::Vector3f> points, float* out) {
   return out;
 }
 
+// One of the lists of natural curvatures at element `q`: a number each, one for all, or none.
+double NaturalAt(const google::protobuf::RepeatedField<double>& list, int q) {
+  if (list.empty()) return 0;
+  return list.Get(list.size() == 1 ? 0 : q);
+}
+
+// Numbers element by element as vectors.
+template <typename Vector>
+void ToElements(std::span<const double> numbers, std::vector<Vector>& out) {
+  out.clear();
+  for (size_t i = 0; i < numbers.size(); i += Vector::SizeAtCompileTime) {
+    out.push_back(Eigen::Map<const Vector>(&numbers[i]));
+  }
+}
+
 }  // namespace
+
+bool GuideGeometry::usable() const {
+  const auto bent = [](const Eigen::Vector3d& natural) {
+    return natural.allFinite() && natural.tail<2>().norm() > 0;
+  };
+  return !element_lengths.empty() && natural.size() == (wound ? element_lengths.size() : 0) &&
+         std::all_of(natural.begin(), natural.end(), bent);
+}
 
 GuideGeometry GuideGeometry::From(const v1::Guide& guide) {
   v1::Pose root;
@@ -39,6 +63,17 @@ GuideGeometry GuideGeometry::From(const v1::Guide& guide) {
   if (out.element_lengths.empty()) {
     out.element_lengths.assign(guide.element_count(), guide.length_m() / guide.element_count());
   }
+  out.wound = guide.model() == v1::STRAND_MODEL_WOUND;
+  const int N = static_cast<int>(out.element_lengths.size());
+  const auto fits = [N](const auto& list) { return list.size() <= 1 || list.size() == N; };
+  if (out.wound && fits(guide.natural_twist()) && fits(guide.natural_curvature_1()) &&
+      fits(guide.natural_curvature_2())) {
+    for (int q = 0; q < N; ++q) {
+      out.natural.emplace_back(NaturalAt(guide.natural_twist(), q),
+                               NaturalAt(guide.natural_curvature_1(), q),
+                               NaturalAt(guide.natural_curvature_2(), q));
+    }
+  }
   return out;
 }
 
@@ -48,19 +83,25 @@ Result<std::shared_ptr<const FrameDecoder>> FrameDecoder::Create(
   if (opened.format() != v1::FRAME_FORMAT_UNSPECIFIED) decoder->format_ = opened.format();
   if (opened.space() != v1::SPACE_UNSPECIFIED) decoder->space_ = opened.space();
   decoder->guide_count_ = opened.guide_count();
-  decoder->element_count_ = opened.element_count();
   decoder->points_ = opened.points_per_guide();
   if (decoder->points_ < 2) {
     return Error{ErrorCode::kInternal, "the server opened a head without points", ""};
   }
   if (decoder->format_ == v1::FRAME_FORMAT_GENERALIZED) {
     size_t elements = 0;
-    bool usable = true;
-    for (const GuideGeometry& guide : *guides) {
+    for (size_t i = 0; i < guides->size(); ++i) {
+      const GuideGeometry& guide = (*guides)[i];
+      if (!guide.usable()) {
+        return Error{ErrorCode::kInternal,
+                     fmt::format("guide {} of the head's groom has no elements, or is wound and "
+                                 "lacks natural curvature",
+                                 i),
+                     ""};
+      }
       elements += guide.element_lengths.size();
-      usable = usable && !guide.element_lengths.empty();
+      decoder->coordinates_ += guide.coordinates();
     }
-    if (!usable || guides->size() != opened.guide_count() || elements != opened.element_count()) {
+    if (guides->size() != opened.guide_count() || elements != opened.element_count()) {
       return Error{
           ErrorCode::kInternal,
           fmt::format("the head has {} guides with {} elements, its groom {} with {}",
@@ -75,7 +116,7 @@ Result<std::shared_ptr<const FrameDecoder>> FrameDecoder::Create(
 size_t FrameDecoder::DataSize() const {
   switch (format_) {
     case v1::FRAME_FORMAT_GENERALIZED:
-      return wire::AnglesSize(element_count_);
+      return wire::CoordinatesSize(coordinates_);
     case v1::FRAME_FORMAT_POSITIONS_QUANTIZED16:
       return guide_count_ * wire::QuantizedSize(points_);
     default:
@@ -133,20 +174,27 @@ void FrameDecoder::DecodeStrands(const v1::HairFrame& frame, Frame& out) const {
 void FrameDecoder::Reconstruct(const v1::HairFrame& frame, Frame& out) const {
   const math::Pose head = space_ == v1::SPACE_HEAD ? math::Pose{} : ToRigid(out.head_pose);
   auto data = std::as_bytes(std::span(frame.data()));
-  out.angles.resize(size_t{3} * element_count_);
+  out.angles.resize(coordinates_);
   std::vector<Eigen::Vector3f> points(points_);
+  std::vector<double> coordinates;
   std::vector<Eigen::Vector3d> theta;
+  std::vector<Eigen::Vector4d> x;
   float* position = out.positions.data();
   float* angle = out.angles.data();
   for (const GuideGeometry& guide : *guides_) {
-    theta.resize(guide.element_lengths.size());
-    const size_t size = wire::AnglesSize(theta.size());
-    wire::DecodeAngles(data.first(size), theta);
+    coordinates.resize(guide.coordinates());
+    const size_t size = wire::CoordinatesSize(coordinates.size());
+    wire::DecodeCoordinates(data.first(size), coordinates);
     data = data.subspan(size);
-    for (const Eigen::Vector3d& element : theta) {
-      for (int axis = 0; axis < 3; ++axis) *angle++ = static_cast<float>(element[axis]);
+    for (const double coordinate : coordinates) *angle++ = static_cast<float>(coordinate);
+    const math::Pose root = head * guide.root;
+    if (guide.wound) {
+      ToElements(coordinates, x);
+      wire::SampleWoundPoints(root, guide.element_lengths, guide.natural, x, std::span(points));
+    } else {
+      ToElements(coordinates, theta);
+      wire::SamplePoints(root, guide.element_lengths, theta, std::span(points));
     }
-    wire::SamplePoints(head * guide.root, guide.element_lengths, theta, std::span(points));
     position = Append(points, position);
   }
 }

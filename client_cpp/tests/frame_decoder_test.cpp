@@ -19,23 +19,31 @@ namespace {
 
 using Eigen::Vector3d;
 using Eigen::Vector3f;
+using Eigen::Vector4d;
 
 constexpr std::uint32_t kPoints = 12;
+constexpr size_t kGuides = 3;
 
-// Two strands of two and three unequal elements on a moved and turned head.
+// Strands of two and three unequal elements, and a wound one of two, on a moved and turned head.
 class FrameDecoderTest : public ::testing::Test {
  protected:
   FrameDecoderTest() {
     guides_ = {{{{0.1, 0, 0}, math::FromRotationVector({0, 0, 1.5})}, {0.05, 0.1}},
-               {{{0, 0.1, 0}, math::FromRotationVector({0.3, -2, 0})}, {0.02, 0.03, 0.04}}};
-    theta_ = {{{0.1, 0.4, -0.2}, {1, -0.5, 2}}, {{0, 0, 0}, {-3, 0.1, 0.6}, {0.2, 0.2, 0.2}}};
+               {{{0, 0.1, 0}, math::FromRotationVector({0.3, -2, 0})}, {0.02, 0.03, 0.04}},
+               {{{0, 0, 0.1}, math::FromRotationVector({1, 1, 1})},
+                {0.03, 0.06},
+                true,
+                {{60, 100, -50}, {65, 110, -60}}}};
+    coordinates_ = {{0.1, 0.4, -0.2, 1, -0.5, 2},
+                    {0, 0, 0, -3, 0.1, 0.6, 0.2, 0.2, 0.2},
+                    {-0.5, 0.3, 0.2, 0.7, 1, -0.4, 0.6, -0.1}};
     head_ = {{1, 1.7, -2}, math::FromRotationVector({0.2, 0.7, -0.1})};
   }
 
   v1::Opened Opened(v1::FrameFormat format, v1::Space space = v1::SPACE_WORLD) const {
     v1::Opened opened;
-    opened.set_guide_count(2);
-    opened.set_element_count(5);
+    opened.set_guide_count(kGuides);
+    opened.set_element_count(7);
     opened.set_points_per_guide(kPoints);
     opened.set_format(format);
     opened.set_space(space);
@@ -55,7 +63,7 @@ class FrameDecoderTest : public ::testing::Test {
     orientation.set_y(head_.q.y());
     orientation.set_z(head_.q.z());
     orientation.set_w(head_.q.w());
-    for (size_t g = 0; g < 2; ++g) frame.mutable_data()->append(Strand(format, g));
+    for (size_t g = 0; g < kGuides; ++g) frame.mutable_data()->append(Strand(format, g));
     return frame;
   }
 
@@ -63,8 +71,8 @@ class FrameDecoderTest : public ::testing::Test {
     const auto points = Points(g, head_);
     std::string data;
     if (format == v1::FRAME_FORMAT_GENERALIZED) {
-      data.resize(wire::AnglesSize(theta_[g].size()));
-      wire::EncodeAngles(theta_[g], std::as_writable_bytes(std::span(data)));
+      data.resize(wire::CoordinatesSize(coordinates_[g].size()));
+      wire::EncodeCoordinates(coordinates_[g], std::as_writable_bytes(std::span(data)));
     } else if (format == v1::FRAME_FORMAT_POSITIONS_QUANTIZED16) {
       data.resize(wire::QuantizedSize(kPoints));
       wire::EncodeQuantized(points, std::as_writable_bytes(std::span(data)));
@@ -77,15 +85,24 @@ class FrameDecoderTest : public ::testing::Test {
 
   std::vector<Vector3f> Points(size_t g, const math::Pose& head) const {
     std::vector<Vector3f> points(kPoints);
-    wire::SamplePoints(head * guides_[g].root, guides_[g].element_lengths, theta_[g],
-                       std::span(points));
+    const GuideGeometry& guide = guides_[g];
+    const double* q = coordinates_[g].data();
+    if (guide.wound) {
+      const std::vector<Vector4d> x = {Vector4d(q), Vector4d(q + 4)};
+      wire::SampleWoundPoints(head * guide.root, guide.element_lengths, guide.natural, x,
+                              std::span(points));
+    } else {
+      std::vector<Vector3d> theta;
+      for (size_t i = 0; i < coordinates_[g].size(); i += 3) theta.emplace_back(q + i);
+      wire::SamplePoints(head * guide.root, guide.element_lengths, theta, std::span(points));
+    }
     return points;
   }
 
   // Largest distance of a decoded point from where it should be [m].
   double Error(const mane::Frame& frame, const math::Pose& head) const {
     double worst = 0;
-    for (size_t g = 0; g < 2; ++g) {
+    for (size_t g = 0; g < kGuides; ++g) {
       const auto expected = Points(g, head);
       for (size_t i = 0; i < kPoints; ++i) {
         const float* x = &frame.positions[3 * (g * kPoints + i)];
@@ -100,7 +117,7 @@ class FrameDecoderTest : public ::testing::Test {
   }
 
   std::vector<GuideGeometry> guides_;
-  std::vector<std::vector<Vector3d>> theta_;
+  std::vector<std::vector<double>> coordinates_;
   math::Pose head_;
 };
 
@@ -119,22 +136,23 @@ TEST_F(FrameDecoderTest, EveryFormatGivesTheSamePositions) {
     ASSERT_TRUE(frame);
     EXPECT_EQ((*frame)->index, 7u);
     EXPECT_EQ((*frame)->time_s, 2.5);
-    EXPECT_EQ((*frame)->guide_count, 2u);
+    EXPECT_EQ((*frame)->guide_count, kGuides);
     EXPECT_EQ((*frame)->points_per_guide, kPoints);
-    ASSERT_EQ((*frame)->positions.size(), 2 * kPoints * 3);
+    ASSERT_EQ((*frame)->positions.size(), kGuides * kPoints * 3);
     EXPECT_LE(Error(**frame, head_), tolerance);
   }
 }
 
-TEST_F(FrameDecoderTest, GeneralizedFramesGiveAnglesAndRespectTheSpace) {
+TEST_F(FrameDecoderTest, GeneralizedFramesGiveCoordinatesAndRespectTheSpace) {
   const auto format = v1::FRAME_FORMAT_GENERALIZED;
   const auto decoder = FrameDecoder::Create(Opened(format, v1::SPACE_HEAD), Guides());
   ASSERT_TRUE(decoder);
   const auto frame = (*decoder)->Decode(Frame(format));
   ASSERT_TRUE(frame);
   EXPECT_LE(Error(**frame, {}), 1e-6);
-  ASSERT_EQ((*frame)->angles.size(), 15u);
+  ASSERT_EQ((*frame)->angles.size(), 5u * 3 + 2u * 4);
   EXPECT_EQ((*frame)->angles[3 * 3], -3.0f);
+  EXPECT_EQ((*frame)->angles[5 * 3 + 4 + 1], -0.4f);
 }
 
 TEST_F(FrameDecoderTest, RefusesFramesOfTheWrongSize) {
@@ -155,14 +173,44 @@ TEST_F(FrameDecoderTest, RefusesFramesOfTheWrongSize) {
 
 TEST_F(FrameDecoderTest, RefusesAHeadThatItsGroomDoesNotFit) {
   v1::Opened opened = Opened(v1::FRAME_FORMAT_GENERALIZED);
-  opened.set_element_count(6);
+  opened.set_element_count(8);
   EXPECT_FALSE(FrameDecoder::Create(opened, Guides()));
   opened = Opened(v1::FRAME_FORMAT_GENERALIZED);
-  opened.set_guide_count(3);
+  opened.set_guide_count(4);
   EXPECT_FALSE(FrameDecoder::Create(opened, Guides()));
   opened = Opened(v1::FRAME_FORMAT_POSITIONS_FLOAT32);
   opened.set_points_per_guide(0);
   EXPECT_FALSE(FrameDecoder::Create(opened, Guides()));
+}
+
+TEST_F(FrameDecoderTest, RefusesAWoundGuideWithoutACoil) {
+  for (const std::vector<Vector3d>& natural : {std::vector<Vector3d>{},
+                                               {{60, 100, -50}},
+                                               {{60, 100, -50}, {60, 0, 0}},
+                                               {{60, 100, -50}, {60, NAN, 0}}}) {
+    guides_[2].natural = natural;
+    const auto decoder = FrameDecoder::Create(Opened(v1::FRAME_FORMAT_GENERALIZED), Guides());
+    ASSERT_FALSE(decoder);
+    EXPECT_EQ(decoder.error().code, ErrorCode::kInternal);
+    EXPECT_NE(decoder.error().message.find("guide 2"), std::string::npos);
+  }
+}
+
+TEST(GuideGeometry, NaturalCurvatureIsOneForAllOrOneEach) {
+  v1::Guide guide;
+  guide.set_length_m(0.3);
+  guide.set_element_count(2);
+  guide.add_natural_twist(5);
+  guide.add_natural_curvature_2(7);
+  guide.add_natural_curvature_2(8);
+  EXPECT_TRUE(GuideGeometry::From(guide).natural.empty()) << "a plain guide's is not needed";
+  guide.set_model(v1::STRAND_MODEL_WOUND);
+  const GuideGeometry geometry = GuideGeometry::From(guide);
+  EXPECT_EQ(geometry.natural, (std::vector<Vector3d>{{5, 0, 7}, {5, 0, 8}}));
+  EXPECT_TRUE(geometry.usable());
+  EXPECT_EQ(geometry.coordinates(), 8u);
+  guide.add_natural_curvature_2(9);
+  EXPECT_FALSE(GuideGeometry::From(guide).usable());
 }
 
 TEST(GuideGeometry, EqualElementsFollowFromTheLength) {

@@ -64,6 +64,7 @@ TEST(GroomUpload, CarriesEveryParameterOfAGuide) {
   guide.natural_twist = {6};
   guide.natural_curvature_1 = {7, 8};
   guide.natural_curvature_2 = {9};
+  guide.model = StrandModel::kWound;
   GroomUpload upload;
   upload.guides = std::vector{guide};
 
@@ -86,6 +87,7 @@ TEST(GroomUpload, CarriesEveryParameterOfAGuide) {
   EXPECT_EQ(sent.natural_twist(0), 6);
   EXPECT_EQ(sent.natural_curvature_1(1), 8);
   EXPECT_EQ(sent.natural_curvature_2(0), 9);
+  EXPECT_EQ(sent.model(), v1::STRAND_MODEL_WOUND);
 }
 
 TEST(GroomUpload, ConcatenatedMeshPiecesAreTheMesh) {
@@ -95,11 +97,13 @@ TEST(GroomUpload, ConcatenatedMeshPiecesAreTheMesh) {
   mesh.hair_triangles = {5, 7};
   GroomUpload upload;
   upload.scalp = mesh;
-  upload.guides = GuideGeneration{.hair_type = HairType::kCaucasianWavy, .guide_count = 10};
+  upload.guides = GuideGeneration{
+      .hair_type = HairType::kCaucasianWavy, .guide_count = 10, .model = StrandModel::kSuperHelix};
 
   std::string vertices, triangles, hair;
   const auto parts = Parts(upload);
   EXPECT_EQ(parts[0].header().generate().hair_type(), v1::HAIR_TYPE_CAUCASIAN_WAVY);
+  EXPECT_EQ(parts[0].header().generate().model(), v1::STRAND_MODEL_SUPER_HELIX);
   EXPECT_FALSE(parts[0].header().has_ellipsoid());
   for (size_t i = 1; i < parts.size(); ++i) {
     vertices += parts[i].scalp_mesh().vertices();

@@ -74,24 +74,24 @@ void DecodeQuantized(std::span<const std::byte> data, std::span<Eigen::Vector3f>
   }
 }
 
-void EncodeAngles(std::span<const Eigen::Vector3d> theta, std::span<std::byte> data) {
-  MANE_CHECK(data.size() == AnglesSize(theta.size()));
+void EncodeCoordinates(std::span<const double> coordinates, std::span<std::byte> data) {
+  MANE_CHECK(data.size() == CoordinatesSize(coordinates.size()));
   std::byte* out = data.data();
-  for (const Eigen::Vector3d& element : theta) {
-    const Eigen::Vector3f rounded = element.cast<float>();
-    std::memcpy(out, rounded.data(), 12);
-    out += 12;
+  for (const double coordinate : coordinates) {
+    const auto rounded = static_cast<float>(coordinate);
+    std::memcpy(out, &rounded, sizeof rounded);
+    out += sizeof rounded;
   }
 }
 
-void DecodeAngles(std::span<const std::byte> data, std::span<Eigen::Vector3d> theta) {
-  MANE_CHECK(data.size() == AnglesSize(theta.size()));
+void DecodeCoordinates(std::span<const std::byte> data, std::span<double> coordinates) {
+  MANE_CHECK(data.size() == CoordinatesSize(coordinates.size()));
   const std::byte* in = data.data();
-  for (Eigen::Vector3d& element : theta) {
-    Eigen::Vector3f rounded;
-    std::memcpy(rounded.data(), in, 12);
-    element = rounded.cast<double>();
-    in += 12;
+  for (double& coordinate : coordinates) {
+    float rounded;
+    std::memcpy(&rounded, in, sizeof rounded);
+    coordinate = rounded;
+    in += sizeof rounded;
   }
 }
 

@@ -18,8 +18,8 @@ namespace mane::wire {
 [[nodiscard]] constexpr size_t PositionsSize(size_t points) { return 12 * points; }
 /// Bytes of a strand of `points` points: float32 [2, 3] and uint16 [point, 3].
 [[nodiscard]] constexpr size_t QuantizedSize(size_t points) { return 24 + 6 * points; }
-/// Bytes of a strand of `elements` elements: float32 [element, 3].
-[[nodiscard]] constexpr size_t AnglesSize(size_t elements) { return 12 * elements; }
+/// Bytes of a strand of `count` coordinates, 3 an element, 4 of a wound strand: float32 [count].
+[[nodiscard]] constexpr size_t CoordinatesSize(size_t count) { return 4 * count; }
 
 /// POSITIONS_FLOAT32 of one strand's points [m].
 void EncodePositions(std::span<const Eigen::Vector3f> points, std::span<std::byte> data);
@@ -31,8 +31,8 @@ void DecodePositions(std::span<const std::byte> data, std::span<Eigen::Vector3f>
 void EncodeQuantized(std::span<const Eigen::Vector3f> points, std::span<std::byte> data);
 void DecodeQuantized(std::span<const std::byte> data, std::span<Eigen::Vector3f> points);
 
-/// GENERALIZED of one strand's element angles [rad], rounded to float32.
-void EncodeAngles(std::span<const Eigen::Vector3d> theta, std::span<std::byte> data);
-void DecodeAngles(std::span<const std::byte> data, std::span<Eigen::Vector3d> theta);
+/// GENERALIZED of one strand's coordinates [rad], element by element, rounded to float32.
+void EncodeCoordinates(std::span<const double> coordinates, std::span<std::byte> data);
+void DecodeCoordinates(std::span<const std::byte> data, std::span<double> coordinates);
 
 }  // namespace mane::wire

@@ -18,7 +18,6 @@
 namespace mane::wire {
 namespace {
 
-using Eigen::Vector3d;
 using Eigen::Vector3f;
 
 std::vector<Vector3f> RandomPoints(size_t count, float extent, const Vector3f& center) {
@@ -92,26 +91,33 @@ TEST(FrameCodec, QuantisedBoxIsTightAndItsCornersAreExact) {
   EXPECT_EQ(decoded[1], points[1]);
 }
 
-TEST(FrameCodec, AnglesComeBackRoundedToFloat) {
-  const std::vector<Vector3d> theta = {{0.1, -0.2, 1e-9}, {0, 12.5, -3}, {1.0 / 3, 0, 0}};
-  std::vector<std::byte> data(AnglesSize(3));
-  EncodeAngles(theta, data);
-  EXPECT_EQ(At<float>(data, 16), 12.5f);
-  std::vector<Vector3d> decoded(3);
-  DecodeAngles(data, decoded);
-  for (size_t i = 0; i < 3; ++i) EXPECT_EQ(decoded[i], theta[i].cast<float>().cast<double>());
+TEST(FrameCodec, CoordinatesComeBackRoundedToFloat) {
+  for (const size_t count : {0u, 3u, 4u, 9u}) {  // Any number: 3 or 4 an element.
+    std::vector<double> coordinates(count);
+    for (size_t i = 0; i < count; ++i) coordinates[i] = 12.5 - static_cast<double>(i) / 3;
+    std::vector<std::byte> data(CoordinatesSize(count));
+    EXPECT_EQ(data.size(), 4 * count);
+    EncodeCoordinates(coordinates, data);
+    std::vector<double> decoded(count);
+    DecodeCoordinates(data, decoded);
+    for (size_t i = 0; i < count; ++i) {
+      const auto rounded = static_cast<float>(coordinates[i]);
+      EXPECT_EQ(At<float>(data, 4 * i), rounded);
+      EXPECT_EQ(decoded[i], rounded);
+    }
+  }
 }
 
 TEST(FrameCodec, RefusesDataOfTheWrongSize) {
   std::vector<std::byte> data(QuantizedSize(4) - 1);
   std::vector<Vector3f> points(4, Vector3f::Zero());
-  std::vector<Vector3d> theta(4, Vector3d::Zero());
+  std::vector<double> coordinates(4);
   EXPECT_THROW(EncodePositions(points, data), base::CheckFailure);
   EXPECT_THROW(DecodePositions(data, points), base::CheckFailure);
   EXPECT_THROW(EncodeQuantized(points, data), base::CheckFailure);
   EXPECT_THROW(DecodeQuantized(data, points), base::CheckFailure);
-  EXPECT_THROW(EncodeAngles(theta, data), base::CheckFailure);
-  EXPECT_THROW(DecodeAngles(data, theta), base::CheckFailure);
+  EXPECT_THROW(EncodeCoordinates(coordinates, data), base::CheckFailure);
+  EXPECT_THROW(DecodeCoordinates(data, coordinates), base::CheckFailure);
 }
 
 }  // namespace

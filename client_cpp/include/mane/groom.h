@@ -20,6 +20,18 @@ enum class HairType {
   kAfricanFuzzy = 4,
 };
 
+/// How a strand's shape is described by the unknowns of its N elements.
+enum class StrandModel {
+  kUnspecified = 0,  ///< Of a Guide: kSuperHelix. Of a GuideGeneration: the server chooses.
+  /// [SH06]: each element has constant material curvatures and twist. Right for any hair that its
+  /// elements can follow: two of them, better three or four, for each turn of natural curl.
+  kSuperHelix = 1,
+  /// For hair that winds more often: the Super-Helix lies along the axis of the natural coil, and
+  /// the coil around it twists and stretches. Five to ten elements are enough for any number of
+  /// turns. Every element needs natural curvature, which should change little to the next.
+  kWound = 2,
+};
+
 /// One guide strand: a Super-Helix of N elements, each of constant material curvatures and twist.
 /// Ranges are the server's; a number outside them is refused by its field's name.
 struct Guide {
@@ -47,6 +59,8 @@ struct Guide {
   std::vector<double> natural_twist;
   std::vector<double> natural_curvature_1;
   std::vector<double> natural_curvature_2;
+
+  StrandModel model = StrandModel::kSuperHelix;
 };
 
 /// An ellipsoid with axes along the head frame. Hair grows where the outward normal is within
@@ -79,6 +93,8 @@ struct GuideGeneration {
   double curl_variation = 0.05;
   /// How far roots lean from the scalp's normal toward the ground, 0 (not at all) to 1.
   double root_droop = 0.3;
+  /// kUnspecified takes kWound for hair that turns at least five times, and more than N / 2 times.
+  StrandModel model = StrandModel::kUnspecified;
 };
 
 /// A new groom: a scalp if there is one, and guides or the wish to have them generated on it.
@@ -116,7 +132,10 @@ struct RestShape {
   std::uint32_t points_per_guide = 0;
   /// Points at equal arc length, root first, tip last [m], head frame, (guide, point, 3).
   std::vector<double> positions;
-  std::vector<double> curvatures;  ///< Twist and curvatures [rad/m], (element of all guides, 3).
+  /// Guide by guide [rad/m]: (element, 3) twist and curvatures; of a StrandModel::kWound guide
+  /// (element, 4) changes of the coil's twist, curvatures 1 and 2 of its axis, and change of the
+  /// strain towards the hair's tangent.
+  std::vector<double> curvatures;
   /// Largest unbalanced generalized force over the weight's largest one, (guide); at most 1e-6
   /// where the solver converged.
   std::vector<double> residuals;

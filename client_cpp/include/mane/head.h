@@ -24,7 +24,7 @@ enum class Pacing {
 enum class FrameFormat {
   kPositionsFloat32 = 1,      ///< 12 bytes a point.
   kPositionsQuantized16 = 2,  ///< 6 bytes a point; error at most 1/131070 of the strand's box.
-  kGeneralized = 3,           ///< 12 bytes an element; helices are rebuilt here, exactly.
+  kGeneralized = 3,  ///< 12 or, of wound strands, 16 bytes an element; rebuilt here, exactly.
 };
 
 enum class Space {
@@ -97,7 +97,10 @@ struct Frame {
   std::uint32_t guide_count = 0;
   std::uint32_t points_per_guide = 0;
   std::vector<float> positions;  ///< [m] in the chosen space, (guide, point, 3), root first.
-  /// kGeneralized only: element angles (twist, bend 1, bend 2) [rad], (element of all guides, 3).
+  /// kGeneralized only: the strands' coordinates [rad], guide by guide, root first. Of a guide of
+  /// StrandModel::kSuperHelix (element, 3): twist, bend 1, bend 2. Of a kWound one (element, 4):
+  /// what the coil is twisted by, how its axis bends about two axes across, what the hair's strain
+  /// gains towards its tangent, which stretches the coil; each over the element's length.
   std::vector<float> angles;
   std::uint32_t skipped = 0;          ///< Frames that newer ones replaced since the last one sent.
   double newest_pose_time_s = 0;      ///< Your clock: the newest pose known when it was computed.
