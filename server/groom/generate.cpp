@@ -78,7 +78,12 @@ Result<void> Validate(const Scalp& scalp, const Generation& generation, const Li
                     *generation.error_target, generation.element_count));
   }
   if (generation.model) {
-    if (auto ok = CheckModel(path + ".model", *generation.model); !ok) return ok;
+    const std::string model = path + ".model";
+    if (auto ok = CheckModel(model, *generation.model); !ok) return ok;
+    if (*generation.model == StrandModel::kWound &&
+        NaturalCurvature(PresetOf(generation.hair_type)).isZero()) {
+      return InvalidArgument(model, model + " is WOUND, but this hair type is straight");
+    }
   }
   return ValidateScalp(scalp, limits);
 }
@@ -106,7 +111,8 @@ void SetNatural(const std::vector<Vector3d>& natural, GuideDescription* d) {
   }
 }
 
-// Whether the guides are to be wound strands: as asked for, or where the hair of even curl would be.
+// Whether the guides are to be wound strands: as asked for, or where the hair of even curl would
+// be.
 bool MostlyWound(const Generation& generation) {
   if (generation.model) return *generation.model == StrandModel::kWound;
   const Preset preset = PresetOf(generation.hair_type);

@@ -173,16 +173,17 @@ Result<Guide> MakeGuide(const GuideDescription& d, int index) {
 
 Result<void> CheckModel(const std::string& field, StrandModel model) {
   if (model == StrandModel::kSuperHelix || model == StrandModel::kWound) return {};
-  return InvalidArgument(field, fmt::format("{} is {}; it must be SUPER_HELIX (1) or WOUND (2)", field,
-                                            static_cast<int>(model) + 1));
+  return InvalidArgument(field, fmt::format("{} is {}; it must be SUPER_HELIX (1) or WOUND (2)",
+                                            field, static_cast<int>(model) + 1));
 }
 
 Result<void> MakeWound(int index, Guide* guide) {
   if (rod::NaturalTurns(guide->strand) == 0) {
     const std::string field = fmt::format("guides[{}].model", index);
     return InvalidArgument(field,
-                           field + " is WOUND, but an element has no natural curvature to wind by: "
-                                   "set natural_curvature_1 or 2 in all, or use SUPER_HELIX");
+                           field +
+                               " is WOUND, but an element has no natural curvature to wind by: "
+                               "set natural_curvature_1 or 2 in all, or use SUPER_HELIX");
   }
   guide->wound = rod::MakeWound(guide->strand);
   return {};

@@ -84,8 +84,7 @@ Result<storage::GroomRecord> GroomLibrary::Create(Draft draft) {
   record.etag = groom::Digest(g);
   record.create_time_ns = NowNanoseconds();
   const auto* rest = reinterpret_cast<const char*>(g.rest.data());
-  return store_.Put(
-      record, {EncodeContent(g), std::string(rest, g.rest.size() * sizeof(double))});
+  return store_.Put(record, {EncodeContent(g), std::string(rest, g.rest.size() * sizeof(double))});
 }
 
 Result<std::shared_ptr<const groom::Groom>> GroomLibrary::Load(const std::string& name,

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "groom/rest.h"
-#include "rod/wound_shape.h"
 #include "rpc/convert_animation.h"
 #include "rpc/limits.h"
 #include "wire/reconstruct.h"
@@ -39,11 +38,7 @@ void SamplePoints(const groom::Guide& guide, std::span<const double> coordinates
     return;
   }
   const auto x = elements(static_cast<rod::Vector4d*>(nullptr));
-  const std::vector<rod::WoundFrame> frames = rod::WoundFrames(*guide.wound, guide.root, x);
-  const double spacing = guide.strand.TotalLength() / static_cast<double>(points.size() - 1);
-  for (size_t i = 0; i < points.size(); ++i) {
-    points[i] = rod::PointOnHair(*guide.wound, frames, x, static_cast<double>(i) * spacing);
-  }
+  wire::SampleWoundPoints(guide.root, guide.strand.length, guide.strand.natural, x, points);
 }
 
 }  // namespace
