@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "groom/describe.h"
 #include "groom/presets.h"
 #include "groom/range.h"
 #include "groom/sampler.h"
@@ -74,23 +75,8 @@ GuideDescription CommonDescription(const Preset& preset, const Generation& gener
   GuideDescription d;
   d.length_m = generation.length_m;
   d.element_count = static_cast<uint32_t>(N);
-  d.radius_1_m = preset.section.radius_1;
-  d.radius_2_m = preset.section.radius_2;
-  d.young_modulus_pa = preset.material.young_modulus;
-  d.poisson_ratio = preset.material.poisson_ratio;
-  d.density_kg_m3 = preset.material.density;
-  d.internal_friction = preset.internal_friction;
-  d.air_drag = preset.air_drag;
+  SetProperties(preset, &d);
   return d;
-}
-
-void SetNatural(const std::vector<Vector3d>& natural, GuideDescription* d) {
-  std::vector<double>* components[] = {&d->natural_twist, &d->natural_curvature_1,
-                                       &d->natural_curvature_2};
-  for (int k = 0; k < 3; ++k) {
-    components[k]->clear();
-    for (const Vector3d& n : natural) components[k]->push_back(n[k]);
-  }
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "base/result.h"
@@ -36,6 +37,11 @@ struct GuideDescription {
   std::vector<double> natural_curvature_1;
   std::vector<double> natural_curvature_2;
 };
+
+/// INVALID_ARGUMENT for the first of section, material and damping that is out of its range, named
+/// as `path` followed by the field, such as `guides[3].` and `radius_1_m`.
+[[nodiscard]] Result<void> ValidateProperties(const std::string& path,
+                                              const GuideDescription& description);
 
 /// The guide that `description` says, its stiffness and linear density derived.
 ///

@@ -59,7 +59,7 @@ class CreateGroomCall final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
 
   void Complete() {
     if (cancelled_) return Finish(grpc::Status::CANCELLED);
-    const auto record = upload_.Finish();
+    const auto record = upload_.Finish(cancelled_);
     if (!record) return Finish(ToStatus(record.error()));
     v1::Groom groom;
     FromRecord(*record, &groom);
@@ -197,6 +197,17 @@ grpc::ServerWriteReactor<v1::ExportGroomResponse>* GroomService::ExportGroom(
     grpc::CallbackServerContext* /*context*/, const v1::ExportGroomRequest* request) {
   auto parts = std::make_shared<ExportParts>(library_, request->name());
   return ChunkStream<v1::ExportGroomResponse>::Start(requests_, [parts] { return parts->Next(); });
+}
+
+grpc::ServerUnaryReactor* GroomService::GetImportReport(grpc::CallbackServerContext* context,
+                                                        const v1::GetImportReportRequest* request,
+                                                        v1::ImportReport* response) {
+  return Answer(context, requests_, [this, request, response]() -> Result<void> {
+    auto report = library_.LoadImportReport(request->name(), "name");
+    if (!report) return report.error();
+    *response = *std::move(report);
+    return {};
+  });
 }
 
 grpc::ServerUnaryReactor* GroomService::ComputeRestShape(grpc::CallbackServerContext* context,

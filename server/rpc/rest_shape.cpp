@@ -14,6 +14,8 @@ namespace {
 
 using Eigen::Vector3d;
 
+const Vector3d kStandardGravity(0, -9.81, 0);
+constexpr double kSameGravity = 1e-9;  // m/s^2
 constexpr int kDefaultPoints = 16;
 constexpr double kMaxGravity = 1000;
 constexpr size_t kMaxAnswer = 64 << 20;
@@ -26,7 +28,7 @@ std::string Bytes(const auto& numbers) {
 
 Result<void> ComputeRest(const groom::Groom& groom, const v1::ComputeRestShapeRequest& request,
                          exec::WorkerPool& pool, v1::ComputeRestShapeResponse* response) {
-  Vector3d gravity(0, -9.81, 0);
+  Vector3d gravity = kStandardGravity;
   if (request.has_gravity()) {
     const auto given = ToVector(request.gravity(), "gravity", kMaxGravity);
     if (!given) return given.error();
@@ -37,6 +39,8 @@ Result<void> ComputeRest(const groom::Groom& groom, const v1::ComputeRestShapeRe
     if (!head) return head.error();
     gravity = head->conjugate() * gravity;  // The solver works in the head frame.
   }
+  // Of several equilibria the one in which heads start: that of an import is its strands' shape.
+  const bool standard = (gravity - kStandardGravity).norm() <= kSameGravity;
   int points = kDefaultPoints;
   if (request.points_per_guide() != 0) {
     const auto ok = CheckRange("points_per_guide", request.points_per_guide(), 2, 256);
@@ -59,7 +63,10 @@ Result<void> ComputeRest(const groom::Groom& groom, const v1::ComputeRestShapeRe
     const groom::Guide& description = groom.guides[guide];
     const rod::Strand& strand = description.strand;
     std::vector<Vector3d> theta(strand.elements());
-    for (int Q = 0; Q < strand.elements(); ++Q) theta[Q] = strand.length[Q] * strand.natural[Q];
+    for (int Q = 0; Q < strand.elements(); ++Q) {
+      theta[Q] = standard ? groom.rest_theta[groom.first_element[guide] + Q]
+                          : strand.length[Q] * strand.natural[Q];
+    }
     residuals[guide] = rod::SolveRestShape(strand, description.root, gravity, theta).residual;
     wire::SamplePoints(description.root, strand.length, theta,
                        std::span(positions).subspan(size_t(guide) * points, points));
