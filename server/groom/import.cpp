@@ -55,7 +55,7 @@ double Length(std::span<const Vector3d> points) {
 std::vector<Vector3d> Points(const ImportedStrand& strand) {
   std::vector<Vector3d> points;
   points.reserve(strand.points.size());
-  for (const Eigen::Vector3f& point : strand.points) points.push_back(point.cast<double>());
+  for (const Eigen::Vector3f& point : strand.points) points.emplace_back(point.cast<double>());
   return points;
 }
 
