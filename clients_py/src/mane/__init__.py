@@ -39,6 +39,7 @@ from mane.jobs import Job, JobState
 from mane.mesh import Mesh
 from mane.motion import Motion
 from mane.pose import Environment, Pose
+from mane.strands import HairProperties, ImportOptions, ImportReport, ImportSummary, Strand
 from mane.stream import Notice, NoticeCode, Pacing
 
 __all__ = [
@@ -58,7 +59,11 @@ __all__ = [
     "Groom",
     "Guide",
     "GuideGeneration",
+    "HairProperties",
     "HairType",
+    "ImportOptions",
+    "ImportReport",
+    "ImportSummary",
     "Internal",
     "InvalidArgument",
     "Job",
@@ -78,6 +83,7 @@ __all__ = [
     "RestShape",
     "Space",
     "Status",
+    "Strand",
     "Unauthenticated",
     "Unavailable",
     "frame_along",
