@@ -81,7 +81,7 @@ class Report:
 
     def table(self, part: str, columns: Mapping[str, ArrayLike]) -> None:
         """Writes columns of equal length, headed by their keys, which say the unit."""
-        path = self._file(part, ".csv")
+        path = self.path(part, ".csv")
         with open(path, "w", newline="") as file:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(columns)
@@ -101,7 +101,7 @@ class Report:
         for each in axes:
             each.grid(True, alpha=0.3)
         yield axes
-        figure.savefig(self._file(part, ".png"), dpi=110)
+        figure.savefig(self.path(part, ".png"), dpi=110)
 
     def write(self) -> None:
         """Writes facts and values: the last thing to do."""
@@ -115,6 +115,7 @@ class Report:
         self.files.append(path)
         path.write_text(json.dumps(content, indent=1) + "\n")
 
-    def _file(self, part: str, ending: str) -> Path:
+    def path(self, part: str, ending: str) -> Path:
+        """Where to write a part of the result, which counts as written from now on."""
         self.files.append(self.folder / f"{self.name}-{part}{ending}")
         return self.files[-1]
