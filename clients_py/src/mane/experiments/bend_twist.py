@@ -1,4 +1,4 @@
-"""A naturally curved rod in a horizontal clamp: when it leaves its plane, and where it then rests."""
+"""A naturally curved rod in a horizontal clamp: when it leaves its plane, and where it rests."""
 
 from __future__ import annotations
 
@@ -94,7 +94,9 @@ def rest_aside(client: Client, report: Report, axes, shape_axes, quick: bool) ->
     )
     report.table("tips", columns)
     axes.set(
-        xlabel=r"$\Gamma$", ylabel="tip aside / L", title=rf"$\kappa_n L$ = {SHAPE_ANGLE:g}: tip at rest"
+        xlabel=r"$\Gamma$",
+        ylabel="tip aside / L",
+        title=rf"Rest at $\kappa_n L$ = {SHAPE_ANGLE:g}",
     )
     axes.legend()
     for color, load in enumerate((7.0, 12.0, 30.0)):

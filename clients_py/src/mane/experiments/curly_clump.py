@@ -26,9 +26,7 @@ SUBSTEPS = 16
 def run(client: Client, report: Report, quick: bool) -> None:
     guides = [clump(friction) for friction in FRICTIONS]
     motion = shaking(cycles=6 if quick else 15)
-    coarse, moving = (
-        play(client, guides, motion, POINTS, n) for n in (SUBSTEPS // 2, SUBSTEPS)
-    )
+    coarse, moving = (play(client, guides, motion, POINTS, n) for n in (SUBSTEPS // 2, SUBSTEPS))
     spans = {SUBSTEPS // 2: span(coarse), SUBSTEPS: span(moving)}
     last_two = motion.times_s > motion.times_s[-1] - 2 / FREQUENCY_HZ
     swings = {n: np.ptp(each[last_two], axis=0) / 2 for n, each in spans.items()}
@@ -47,7 +45,8 @@ def run(client: Client, report: Report, quick: bool) -> None:
         f"by a factor of {low / high:.2f}",
         low / high > 1.5,
     )
-    report.equal("where friction rules, the swing is as 1 / gamma: 1e-8 to 1e-7", 10, swing[-2] / swing[-1], 0.03)
+    what = "where friction rules, the swing is as 1 / gamma: 1e-8 to 1e-7"
+    report.equal(what, 10, swing[-2] / swing[-1], 0.03)
     off = np.abs(swings[SUBSTEPS // 2] / swing - 1).max()
     report.at_most("swing at twice the time step, relative change", off, 0.01)
 
@@ -57,9 +56,8 @@ def run(client: Client, report: Report, quick: bool) -> None:
     with report.figure("span", columns=3, width=5) as (time_axes, swing_axes, shape_axes):
         for index, friction in enumerate(FRICTIONS):
             if friction in SHOWN:
-                time_axes.plot(
-                    motion.times_s, 100 * spans[SUBSTEPS][:, index], label=rf"$\gamma$ = {friction:g}"
-                )
+                label = rf"$\gamma$ = {friction:g}"
+                time_axes.plot(motion.times_s, 100 * spans[SUBSTEPS][:, index], label=label)
         time_axes.set(
             xlabel="time [s]",
             ylabel=r"span $\ell_A$ [cm]",

@@ -5,7 +5,8 @@ length (the gravito-bending number rho S g L^3 / EI) and natural curvatures kn =
 bend 2). With the frame R = (n0, n1, n2), the moment m in its axes, and the direction of weight d in
 the world's, moment balance of what lies beyond s reads
 
-    m' = -kappa x m - G (1 - s) e0 x (R^T d),   R' = R [kappa],   r' = R e0,   kappa = kn + m / (C, 1, 1)
+    m' = -kappa x m - G (1 - s) e0 x (R^T d),   kappa = kn + m / (C, 1, 1),
+    R' = R [kappa],   r' = R e0
 
 with m(1) = 0 at the free tip. Only what the weight's direction is at the tip in the rod's own axes,
 R(1)^T d, is unknown: two numbers. So rods are shot from the tip, where the solution that grows
@@ -16,7 +17,7 @@ which minimises an energy over helices.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -142,11 +143,14 @@ def planar_tip_angle(rod: Rod, root_angle: float, near: float) -> float:
 
 
 def planar_branch(rods: list[Rod], root_angle: float = math.pi / 2) -> np.ndarray:
-    """Tip angles of planar equilibria [rad], (len(rods),), each followed from the one before; the
-    first rod's from its natural shape, so its load must be small."""
-    near, angles = root_angle + rods[0].curvature[2], []
+    """Tip angles of planar equilibria [rad], (len(rods),): rods alike but for their load, which
+    rises. They are followed from the natural shape up."""
+    near, load, angles = root_angle + rods[0].curvature[2], 0.0, []
     for rod in rods:
-        near = planar_tip_angle(rod, root_angle, near)
+        steps = math.ceil((rod.load - load) / max(0.5, 0.25 * load))
+        for between in np.linspace(load, rod.load, steps + 1)[1:]:
+            near = planar_tip_angle(replace(rod, load=between), root_angle, near)
+        load = rod.load
         angles.append(near)
     return np.array(angles)
 

@@ -2,16 +2,17 @@
 
 With lengths in L, times in sqrt(rho S L^4 / EI) and y(s) the sideways deflection,
 
-    y'''' + sign G ((1 - s) y')' ... = -y_tt
+    y'''' -+ G ((1 - s) y')' = -y_tt,   - for a strand that hangs and + for one that stands,
 
-as a variational problem: kinetic energy 1/2 int y_t^2, bending 1/2 int y''^2, weight
-+-G/2 int (1 - s) y'^2, + for a strand that hangs and - for one that stands, G the gravito-bending
-number. y is s^2 times a polynomial, so that the clamp holds; natural conditions hold at the tip.
+G the gravito-bending number; as a variational problem: kinetic energy 1/2 int y_t^2, bending
+1/2 int y''^2, weight +-G/2 int (1 - s) y'^2. y is s^2 times a polynomial, so that the
+clamp holds; natural conditions hold at the tip.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.polynomial import Legendre
@@ -31,6 +32,7 @@ class Matrices:
     basis: tuple[Legendre, ...]
 
 
+@cache
 def matrices() -> Matrices:
     square = Legendre.fromroots([0.0, 0.0], domain=[0, 1])
     basis = [square * Legendre.basis(k, domain=[0, 1]) for k in range(TERMS)]
@@ -64,14 +66,12 @@ class Mode:
 
 
 def first_mode(number: float, hangs: bool) -> Mode:
-    """Of a strand of gravito-bending number `number` that hangs or stands, and does not fall over."""
+    """Of a strand of that gravito-bending number; one that stands must not fall over."""
     m = matrices()
     squares, vectors = eigh(m.bending + (number if hangs else -number) * m.weight, m.inertia)
     if squares[0] <= 0:
         raise ValueError(f"a strand that stands with gravito-bending number {number} falls over")
-    v = vectors[:, 0] / sum(
-        c * y(1.0) for c, y in zip(vectors[:, 0], m.basis, strict=True)
-    )
+    v = vectors[:, 0] / sum(c * y(1.0) for c, y in zip(vectors[:, 0], m.basis, strict=True))
     bending = v @ m.bending @ v / (v @ m.inertia @ v)
     return Mode(float(np.sqrt(squares[0])), float(bending / squares[0]), v, m.basis)
 

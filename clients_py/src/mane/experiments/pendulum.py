@@ -38,9 +38,7 @@ def run(client: Client, report: Report, quick: bool) -> None:
     motion, free_from = push(2 * np.pi / omega, 1.5 if quick else 4.0)
 
     steps = np.array([1 / (RATE_HZ * n) for n in SUBSTEPS])
-    swings = [
-        first_mode_part(play(client, guides, motion, POINTS, n), mode) for n in SUBSTEPS
-    ]
+    swings = [first_mode_part(play(client, guides, motion, POINTS, n), mode) for n in SUBSTEPS]
     times = motion.times_s[free_from:] - motion.times_s[free_from]
     fits = np.array([[damped_wave(times, s[free_from:, g], omega) for g in range(len(DRAGS))]
                      for s in swings])  # fmt: skip
@@ -63,8 +61,7 @@ def run(client: Client, report: Report, quick: bool) -> None:
     report.table("decay", columns | by_step)
     report.table(
         "swing",
-        {"time_s": times}
-        | {f"nu_{d:g}_m": swings[-1][free_from:, i] for i, d in enumerate(DRAGS)},
+        {"time_s": times} | {f"nu_{d:g}_m": swings[-1][free_from:, i] for i, d in enumerate(DRAGS)},
     )
     with report.figure("damping", columns=3, width=5) as (swing, rates, step_axes):
         for index in (0, 2, 5):

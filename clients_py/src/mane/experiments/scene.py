@@ -16,10 +16,6 @@ from mane.motion import Motion
 GRAVITY = 9.81
 """The server's own, [m/s^2]."""
 
-GREENHILL = 7.837347
-"""rho S g L^3 / EI above which an upright column falls over: 9/4 of the square of the first zero,
-1.866351, of the Bessel function J of order -1/3. Its cube root is the 1.986 of the critical length."""
-
 UP, DOWN, ASIDE = (0.0, 1.0, 0.0), (0.0, -1.0, 0.0), (1.0, 0.0, 0.0)
 
 
@@ -63,7 +59,7 @@ def with_gravito_bending(guide: Guide, number: float) -> Guide:
 
 def rest(client: Client, guides: Sequence[Guide], points: int = 101) -> np.ndarray:
     """Rest shapes, (guide, point, 3) [m]."""
-    with _kept(client, guides) as groom:
+    with kept(client, guides) as groom:
         return client.rest_shape(groom, points_per_guide=points).positions
 
 
@@ -73,16 +69,16 @@ def play(
     """The strands in motion from rest, (frame, guide, point, 3) [m], in the head's axes."""
     options = {"points_per_guide": points, "substeps": substeps, "space": "head"}
     with (
-        _kept(client, guides) as groom,
+        kept(client, guides) as groom,
         client.open_head(groom, "lockstep", **options) as head,
     ):
         return np.stack([frame.positions for frame in head.play(motion)]).astype(np.float64)
 
 
 @contextmanager
-def _kept(client: Client, guides: Sequence[Guide]) -> Iterator[Groom]:
-    """A groom for as long as the block lasts."""
-    groom = client.create_groom(guides, display_name="mane experiment")
+def kept(client: Client, guides: Sequence[Guide] = (), **content) -> Iterator[Groom]:
+    """A groom for as long as the block lasts; arguments as those of `Client.create_groom`."""
+    groom = client.create_groom(guides, display_name="mane experiment", **content)
     try:
         yield groom
     finally:
