@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import eigh, expm
+from scipy.optimize import brentq
 
 from mane.client import Client
 from mane.experiments import modes
@@ -136,6 +137,12 @@ class Shaken:
             period = step @ period
         return float(np.log(np.abs(np.linalg.eigvals(period)).max()) * omega / (2 * np.pi))
 
+    def least_amplitude(self, omega: float, far_m: float) -> float:
+        """The amplitude from which motion grows [m]; not a number where it does not at `far_m`."""
+        if self.growth(far_m, omega) <= 0:
+            return np.nan
+        return brentq(lambda a: self.growth(a, omega), 0.0, far_m, xtol=1e-6)
+
     def animate(
         self, client: Client, amplitude_m: float, omega: float, periods: int, push_m: float
     ) -> np.ndarray:
@@ -180,10 +187,10 @@ def shake_upright(client: Client, report: Report, axes, quick: bool) -> None:
         {"root_over_own_frequency": ratio, "amplitude_m": amplitude_m,
          "growth_theory_per_s": theory, "growth_mane_per_s": measured},
     )  # fmt: skip
-    x, y = np.linspace(ratios[0], ratios[-1], 21), np.linspace(0.05e-3, amplitudes_m[-1], 13)
-    level = [[strand.growth(a, r * own) for r in x] for a in y]
-    axes.contour(x, 1e3 * y, level, levels=[0], colors="k")
-    axes.plot([], [], "k", label="Floquet: sways above")
+    far = 1.2 * amplitudes_m[-1]
+    x = np.linspace(ratios[0], ratios[-1], 9 if quick else 33)
+    border = np.array([strand.least_amplitude(each * own, far) for each in x])
+    axes.plot(x, 1e3 * border, "k", label="Floquet: sways above")
     for sways, marker in ((True, "o"), (False, "x")):
         chosen = (measured > 0) == sways
         label = "Mane: sways" if sways else "Mane: stands"
@@ -193,7 +200,7 @@ def shake_upright(client: Client, report: Report, axes, quick: bool) -> None:
         ylabel="amplitude of the root [mm]",
         title="An upright strand, root going up and down",
     )
-    axes.legend(loc="upper center", ncols=3, bbox_to_anchor=(0.5, -0.16), fontsize="small")
+    below(axes, 3)
 
 
 def measured_growth(client: Client, strand: Shaken, amplitude_m: float, omega: float) -> float:
@@ -250,8 +257,12 @@ def shake_hanging(client: Client, report: Report, axes, quick: bool) -> None:
     axes.set(
         xlabel="aside [mm]",
         ylabel="over the root [mm]",
-        xlim=(-60, 140),  # Room for the legend.
         aspect="equal",
         title="A hanging strand, root's acceleration up to 3 g",
     )
-    axes.legend(loc="lower right", fontsize="small")
+    below(axes, 4)
+
+
+def below(axes, columns: int) -> None:
+    """Puts the legend under the axes, where it hides nothing."""
+    axes.legend(loc="upper center", ncols=columns, bbox_to_anchor=(0.5, -0.16), fontsize="small")
