@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "rod/energy.h"
-#include "rod/gauss.h"
+#include "rod/scheme.h"
 
 namespace mane::head {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "base/check.h"
 #include "head/kernels.h"
-#include "rod/gauss.h"
+#include "rod/scheme.h"
 
 namespace mane::head {
 namespace {

@@ -15,7 +15,7 @@
 
 #include "head/sample_groom.h"
 #include "rod/chain.h"
-#include "rod/gauss.h"
+#include "rod/scheme.h"
 
 namespace mane::head {
 namespace {

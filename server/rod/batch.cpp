@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "base/check.h"
-#include "rod/gauss.h"
+#include "rod/scheme.h"
 
 namespace mane::rod {
 namespace {
@@ -13,8 +13,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using layout::kLanes;
-
-static_assert(layout::kPoints == kGaussPoints);
 
 // Beyond it [rad], a strand's angles no longer mean anything in float32.
 constexpr double kLargestAngle = 1e6;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "rod/scheme.h"
+
 /// How a block of strands lies in memory for the batched kernels: rows of kLanes numbers, one lane
 /// per strand, the same for every instruction set. All strands of a block have the same number of
 /// elements. Lengths are in units of the strand's mean element length l0 = L / N and masses in
@@ -8,9 +10,6 @@ namespace mane::rod::layout {
 
 /// Strands in a block; every kernel's width divides it.
 inline constexpr int kLanes = 16;
-
-/// Gauss points per element, as gauss.h.
-inline constexpr int kPoints = 4;
 
 /// Rows of a block's constants.
 enum Constant : int {
@@ -32,8 +31,8 @@ enum Constant : int {
 enum State : int {
   kAngles = 0,               ///< theta [rad] (3).
   kRates = kAngles + 3,      ///< d theta/dt over the last step [rad/s] (3).
-  kVelocities = kRates + 3,  ///< At the Gauss points, world [l0/s] (kPoints x 3).
-  kStatePerElement = kVelocities + 3 * kPoints  ///< Rows of an element.
+  kVelocities = kRates + 3,  ///< At the Gauss points, world [l0/s] (kGaussPoints x 3).
+  kStatePerElement = kVelocities + 3 * kGaussPoints  ///< Rows of an element.
 };
 
 /// Rows of what drives a step, lane by lane, so that strands of different heads may share a block.

@@ -13,7 +13,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "base/check_failure.h"
-#include "rod/gauss.h"
+#include "rod/scheme.h"
 #include "rod/test_oracle.h"
 #include "rod/test_strands.h"
 

@@ -8,8 +8,8 @@
 #include "base/check.h"
 #include "math/rigid.h"
 #include "math/stumpff.h"
-#include "rod/gauss.h"
 #include "rod/helix.h"
+#include "rod/scheme.h"
 
 namespace mane::rod {
 namespace {
@@ -87,7 +87,7 @@ Vector3d BeadOffset(const Coil& coil, int g) {
   static_assert(kGaussPoints == 4);
   // Opposite beads are of equal weight: no moment of first order, and half the radius squared of
   // second order in each direction across.
-  const double r = coil.radius / (2 * std::sqrt(Gauss().weights[g]));
+  const double r = coil.radius / (2 * std::sqrt(kGauss.weights[g]));
   const double sign = 2 * g < kGaussPoints ? 1 : -1;
   const bool outer = g == 0 || g == kGaussPoints - 1;
   return outer ? Vector3d(0, sign * r, 0) : Vector3d(0, 0, sign * r);

@@ -17,8 +17,8 @@
 #include <vector>
 
 #include "math/rigid.h"
-#include "rod/gauss.h"
 #include "rod/helix.h"
+#include "rod/scheme.h"
 #include "rod/test_strands.h"
 
 namespace mane::rod {
@@ -205,8 +205,8 @@ TEST(CoilElementTest, BeadsHaveTheMomentsOfTheCoil) {
   Matrix3d second = Matrix3d::Zero();
   for (int g = 0; g < kGaussPoints; ++g) {
     const Vector3d o = BeadOffset(coil, g);
-    first += Gauss().weights[g] * o;
-    second += Gauss().weights[g] * o * o.transpose();
+    first += kGauss.weights[g] * o;
+    second += kGauss.weights[g] * o * o.transpose();
   }
   const double half = coil.radius * coil.radius / 2;
   EXPECT_LT(first.norm(), 1e-15 * coil.radius);

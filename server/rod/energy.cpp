@@ -2,7 +2,7 @@
 
 #include "base/check.h"
 #include "rod/chain.h"
-#include "rod/gauss.h"
+#include "rod/scheme.h"
 
 namespace mane::rod {
 
@@ -60,7 +60,7 @@ double KineticEnergy(const Strand& strand, std::span<const Vector3d> velocity) {
   double T = 0;
   for (int Q = 0; Q < strand.elements(); ++Q) {
     for (int g = 0; g < kGaussPoints; ++g) {
-      const double mass = strand.linear_density * strand.length[Q] * Gauss().weights[g];
+      const double mass = strand.linear_density * strand.length[Q] * kGauss.weights[g];
       T += 0.5 * mass * velocity[Q * kGaussPoints + g].squaredNorm();
     }
   }

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "base/check_failure.h"
-#include "rod/gauss.h"
+#include "rod/scheme.h"
 #include "rod/test_oracle.h"
 #include "rod/test_strands.h"
 

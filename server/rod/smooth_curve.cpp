@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "base/check.h"
-#include "rod/gauss.h"
+#include "rod/scheme.h"
 
 namespace mane::rod {
 namespace {
@@ -186,7 +186,7 @@ Vector3d SmoothCurve::Derivative(Location at) const {
 double SmoothCurve::ArcWithin(int segment, double u) const {
   double arc = 0;
   for (int g = 0; g < kGaussPoints; ++g) {
-    arc += Gauss().weights[g] * u * Derivative({segment, Gauss().nodes[g] * u}).norm();
+    arc += kGauss.weights[g] * u * Derivative({segment, kGauss.nodes[g] * u}).norm();
   }
   return arc;
 }

@@ -55,7 +55,7 @@ Coefficients MakeCoefficients(const Strand& strand, double dt, const Surrounding
 void AddInertia(const Element& element, double mass, double scale, const Vector3d* u,
                 ElementCost* cost) {
   for (int g = 0; g < kGaussPoints; ++g) {
-    const double m = mass * Gauss().weights[g], M = m * scale;
+    const double m = mass * kGauss.weights[g], M = m * scale;
     const Matrix3d& J = element.J[g];
     const Vector3d& r = element.r[g];
     const Matrix3d rx = Cross(r);
@@ -163,7 +163,7 @@ void Linearise(const Strand& strand, const Matrix3d& root, double h, const Stran
     element.S.topRows<3>() = l * R * end.J;
     element.S.bottomRows<3>() = R * end.T;
     for (int g = 0; g < kGaussPoints; ++g) {
-      const ElementPoint point = PointOnElement(theta, Gauss().nodes[g]);
+      const ElementPoint point = PointOnElement(theta, kGauss.nodes[g]);
       element.r[g] = l * (R * point.p);
       element.J[g] = l * R * point.J;
     }

@@ -6,24 +6,11 @@
 #include <vector>
 
 #include "math/rigid.h"
-#include "rod/gauss.h"
 #include "rod/helix.h"
+#include "rod/scheme.h"
 #include "rod/strand.h"
 
 namespace mane::rod {
-
-/// The field-momentum theta-scheme (rod.md, Time step): one linear solve a step, stable at any step
-/// size. kTheta = 1/2 is second order but may gain energy through gravity where nothing damps;
-/// 1 damps most.
-inline constexpr double kTheta = 0.55;
-
-/// Internal friction is at least this times h K: what has next to no inertia, such as the twist of
-/// straight hair, follows its loads within a step instead of overshooting them (rod.md, S10).
-inline constexpr double kLeastFriction = 0.5;
-
-/// An element turns by at most this in a step [rad]: beyond it the linearisation means nothing, and
-/// elements that wind often have next to no inertia that would hold them back (rod.md, S11).
-inline constexpr double kLargestTurn = 1e3;
 
 /// What moves: views into arrays that the caller owns.
 struct StrandState {

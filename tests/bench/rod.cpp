@@ -17,7 +17,7 @@
 #include "head/head.h"
 #include "head/sample_groom.h"
 #include "rod/batch.h"
-#include "rod/gauss.h"
+#include "rod/scheme.h"
 #include "rod/step.h"
 #include "simd/isa.h"
 

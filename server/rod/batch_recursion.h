@@ -1,0 +1,105 @@
+#pragma once
+
+/// What the batched steps of all kinds of strand share (rod.md, S5 to S9), lane by lane; only for
+/// sources that define MANE_ISA. Letters are those of rod.md; vectors are in world components and
+/// in the units of batch_layout.h.
+
+#include "rod/batch_stumpff.h"
+#include "rod/scheme.h"
+
+namespace mane::rod {
+namespace MANE_ISA {
+
+template <typename T, int W>
+struct Recursion : StumpffOf<T, W> {
+  using typename StumpffOf<T, W>::V;
+  using typename StumpffOf<T, W>::Vec;
+  using Lanewise<T, W>::All;
+  using Lanewise<T, W>::Row;
+  using Lanewise<T, W>::Rows;
+  using Lanewise<T, W>::FrameRows;
+
+  /// Constants of a step.
+  struct Constants {
+    V h, inertia, friction;
+    Vec body;
+    Vec pull;  ///< Direction of the weight and of the drag of passing air,
+    V force;   ///< and h times their size.
+  };
+
+  /// Momentum-velocity form beyond an element: 1/2 V.A V - b.V about its left end.
+  struct CostToGo {
+    Symmetric<V> A11, A22;
+    Matrix<V> A12;
+    Vec b1, b2;
+    V mass;   ///< Of all of it,
+    Vec arm;  ///< and its first moment about the left end of its first element.
+  };
+
+  /// The clamp: velocity and spin of the root over the step, and its frame at kTheta of the way.
+  struct Clamp {
+    Frame<V> root;
+    Vec velocity, spin;
+  };
+
+  [[gnu::always_inline]] static Clamp ReadClamp(const T* constants, const T* drive) {
+    const Frame<V> middle = FrameRows(drive, layout::kMiddleFrame);
+    const Frame<V> root = FrameRows(constants, layout::kRootFrame);
+    return {
+        {middle * root.n0, middle * root.n1, middle * root.n2},
+        Row(constants, layout::kInverseUnit) *
+            (Rows(drive, layout::kHeadVelocity) +
+             FrameRows(drive, layout::kSpread) * Rows(constants, layout::kRootPosition)),
+        Rows(drive, layout::kSpin),
+    };
+  }
+
+  /// `velocity` is the root's.
+  [[gnu::always_inline]] static Constants Prepare(const T* constants, const T* drive,
+                                                  const Vec& velocity) {
+    const V h = T(kTheta) * Row(drive, layout::kDuration);
+    const V drag = Row(drive, layout::kDragScale) * Row(constants, layout::kDrag);
+    const Vec weight = Rows(drive, layout::kGravity) + drag * Rows(drive, layout::kWind);
+    const Vec body = (h * Row(constants, layout::kInverseUnit)) * weight;
+    const Vec pull = body - (h * drag) * velocity;
+    const V size = simd::MANE_ISA::Sqrt(Dot(pull, pull) + T(1e-30));
+    return {h,
+            T(1) + h * drag,
+            h * Row(drive, layout::kFrictionScale) * Row(constants, layout::kFriction),
+            body,
+            (T(1) / size) * pull,
+            h * size};
+  }
+
+  /// Adds the turning stiffness of weight at the right end of an element, whose extrapolated spin
+  /// is `spin` (S9).
+  [[gnu::always_inline]] static void AddWeight(const Constants& step, const Vec& spin,
+                                               const Vec& arm, CostToGo& beyond) {
+    const V length2 = Dot(arm, arm) + T(1e-30);
+    const V length = simd::MANE_ISA::Sqrt(length2);
+    const Vec b = (T(1) / length) * arm, across = step.pull - b, along = step.pull + b;
+    const V cosine = Dot(step.pull, b), size = step.force * length;
+    const V down = cosine > T(0) ? cosine : V{}, up = cosine - down;
+    const V part = T(0.25) * size / (T(1) + down - up), diagonal = size * down;
+    Symmetric<V> G{diagonal, V{}, V{}, diagonal, V{}, diagonal};
+    AddOuter(G, (T(-2) * down * part) * along, along);
+    AddOuter(G, ((T(1) + cosine) * part) * across, across);
+    beyond.A22 += G;
+    beyond.b2 += G * spin;
+  }
+
+  /// Stiffness k with the friction that it needs at least (S3, S10).
+  [[gnu::always_inline]] static V Damped(const V& k, const V& friction) {
+    const V least = T(kLeastFriction) * k;
+    return k + (friction > least ? friction : least);
+  }
+
+  /// What the angles' rates v turn the right end by: T v, T = 1 + c2 [th] + c3 [th]^2 (H5).
+  [[gnu::always_inline]] static Vec EndTurn(const Vec& th, const Vec& v, const V& c2, const V& c3) {
+    const Vec turn = Cross(th, v);
+    return v + c2 * turn + c3 * Cross(th, turn);
+  }
+};
+
+}  // namespace MANE_ISA
+}  // namespace mane::rod

@@ -1,0 +1,426 @@
+#pragma once
+
+/// The time step of step.h for a block of strands, one strand per lane; only for sources that
+/// define MANE_ISA. Nothing here may instantiate a template of the standard library: the linker
+/// would keep one copy of it, perhaps one with instructions that another machine lacks.
+
+#include "rod/batch_recursion.h"
+
+namespace mane::rod {
+namespace MANE_ISA {
+
+/// Strands whose centreline is a Super-Helix.
+template <typename T, int W>
+class StrandStep : Recursion<T, W> {
+  using Base = Recursion<T, W>;
+  using Base::AddWeight;
+  using Base::All;
+  using Base::Damped;
+  using Base::EndTurn;
+  using Base::Next;
+  using Base::Prepare;
+  using Base::Put;
+  using Base::ReadClamp;
+  using Base::Reduce;
+  using Base::Row;
+  using Base::Rows;
+  using typename Base::Clamp;
+  using typename Base::Constants;
+  using typename Base::CostToGo;
+  using typename Base::V;
+  using typename Base::Vec;
+
+ public:
+  /// What a step keeps of an element between its passes.
+  struct Element {
+    Frame<V> R;            // Left frame at the linearisation.
+    Vec th, A;             // theta, theta x d0; B = theta x A = tau theta - zeta d0.
+    Vec spin;              // Right end's extrapolated angular velocity.
+    V tau, zeta;           // theta.d0, |theta|^2
+    V c2, c3, c4, c5, c6;  // c_n(zeta)
+    // At the Gauss points, for an element of length 1; phi1 is the node.
+    V phi2[kGaussPoints], phi3[kGaussPoints], psi2[kGaussPoints], psi3[kGaussPoints];
+    Lower<V> L;  // rates = L^-T (z - Z1 velocity - Z2 spin)
+    Matrix<V> Z1, Z2;
+    Vec z;
+
+    [[nodiscard]] Vec B() const { return tau * th - zeta * R.n0; }
+  };
+
+  /// Advances W strands of N elements. `scratch` has room for N elements. `size` gets the largest
+  /// |theta|^2 of each strand, 1e30 where its new state is not finite.
+  static void Step(int N, const T* constants, const T* drive, T* state, Element* scratch, T* size);
+
+ private:
+  // The part of an element's cost that has its rates v: 1/2 v.H v + v.(Hv1 velocity + Hv2 spin) -
+  // g.v.
+  struct RateCost {
+    Symmetric<V> H;
+    Matrix<V> Hv1, Hv2;
+    Vec g;
+  };
+
+  static void Linearise(int N, const Clamp& clamp, const V& h, const T* state, Element* elements);
+  static void AddInertia(const Constants& step, const V& length, const T* state,
+                         const Element& element, RateCost& rates, CostToGo& left);
+  static void AddElasticity(const Constants& step, const Vec& stiffness, const T* constants,
+                            const T* state, const Element& element, RateCost& rates);
+  // Columns of T of the right end (H5).
+  static void EndTurns(const Element& element, Vec (&S)[3]);
+  // What lies beyond the right end, whose twist is X (velocity; spin) + S v (S6).
+  static void AddBeyond(const V& length, const Element& element, const CostToGo& beyond,
+                        RateCost& rates, CostToGo& left);
+  // The same at the tip, beyond which lies only the tip's own weight, which only turns.
+  static void AddTip(const Element& element, const CostToGo& beyond, RateCost& rates,
+                     CostToGo& left);
+  static void Eliminate(const RateCost& rates, Element& element, CostToGo& left);
+  // Tip to root: one element's costs and those beyond it, without its rates. What only one of the
+  // two ends needs is left out at the other.
+  template <bool tip, bool root>
+  static void GoThrough(const Constants& step, const Vec& stiffness, const T* constants,
+                        const T* state, Element& element, CostToGo& beyond);
+  static V Advance(const V& dt, const T* constants, Element& element, Vec& velocity, Vec& spin,
+                   T* state);
+};
+
+// Root to tip: frames and shapes at the extrapolated angles.
+template <typename T, int W>
+void StrandStep<T, W>::Linearise(int N, const Clamp& clamp, const V& h, const T* state,
+                                 Element* elements) {
+  Frame<V> R = clamp.root;
+  Vec omega = clamp.spin;
+  for (int Q = 0; Q < N; ++Q, state += layout::kStatePerElement * layout::kLanes) {
+    Element& e = elements[Q];
+    const Vec rate = Rows(state, layout::kRates);
+    const Vec q = Rows(state, layout::kAngles) + h * rate;
+    e.R = R;
+    e.th = R * q;
+    e.A = Cross(e.th, R.n0);
+    e.tau = q.x;
+    e.zeta = Dot(q, q);
+    const Reduction<T, V> reduction = Reduce(e.zeta);
+#pragma GCC unroll 4
+    for (int g = 0; g < kGaussPoints; ++g) {
+      const T s = T(kGauss.nodes[g]);
+      const Stumpff<V> c = Base::template Evaluate<false>(reduction, s);
+      e.phi2[g] = (s * s) * c.c2;
+      e.phi3[g] = (s * s * s) * c.c3;
+      e.psi2[g] = (s * s * s * s) * (T(2) * c.c4 - c.c3);
+      e.psi3[g] = (s * s * s * s * s) * (T(3) * c.c5 - c.c4);
+    }
+    const Stumpff<V> c = Base::template Evaluate<true>(reduction, T(1));
+    e.c2 = c.c2, e.c3 = c.c3, e.c4 = c.c4, e.c5 = c.c5, e.c6 = c.c6;
+    omega += EndTurn(e.th, R * rate, c.c2, c.c3);
+    e.spin = omega;
+    R = Next(R, q, c);
+  }
+}
+
+// Sums over the Gauss points of (1/2 M |velocity + spin x r + J v|^2 - m u.(the same)). J and r are
+// combinations of d0, theta and A whose coefficients are numbers, so that these need to be summed,
+// not the matrices (rod.md, B3).
+template <typename T, int W>
+[[gnu::always_inline]] inline void StrandStep<T, W>::AddInertia(const Constants& step,
+                                                                const V& length, const T* state,
+                                                                const Element& e, RateCost& rates,
+                                                                CostToGo& left) {
+  V s2{}, s3{}, t2{}, t3{};                              // <phi>, <psi>
+  V m12{}, m13{}, m22{}, m23{}, m33{};                   // <phi phi>
+  V n12{}, n13{}, n22{}, n33{}, n32_23{}, o22{}, o33{};  // <phi psi>, <psi psi>
+  // <u>, <phi u>, <psi u>. Weight acts as momentum evenly spread over the length, whose sums are
+  // integrals that are known exactly (H7, H8).
+  Vec U0 = step.body, U1 = All(0.5) * U0, U2 = e.c3 * U0, U3 = e.c4 * U0;
+  Vec V2 = (T(3) * e.c5 - e.c4) * U0, V3 = (T(4) * e.c6 - e.c5) * U0;
+#pragma GCC unroll 4
+  for (int g = 0; g < kGaussPoints; ++g) {
+    const T s = T(kGauss.nodes[g]), w = T(kGauss.weights[g]);
+    const V phi2 = e.phi2[g], phi3 = e.phi3[g], psi2 = e.psi2[g], psi3 = e.psi3[g];
+    const V w2 = w * phi2, w3 = w * phi3, x2 = w * psi2, x3 = w * psi3;
+    s2 += w2, s3 += w3, t2 += x2, t3 += x3;
+    m12 += s * w2, m13 += s * w3, n12 += s * x2, n13 += s * x3;
+    m22 += w2 * phi2, m23 += w2 * phi3, m33 += w3 * phi3;
+    n22 += w2 * psi2, n33 += w3 * psi3, n32_23 += w3 * psi2 - w2 * psi3;
+    o22 += x2 * psi2, o33 += x3 * psi3;
+    const Vec u = Rows(state, layout::kVelocities + 3 * g);
+    const Vec wu = All(w) * u;
+    U0 += wu, U1 += All(s) * wu;
+    U2 += w2 * u, U3 += w3 * u, V2 += x2 * u, V3 += x3 * u;
+  }
+  const Vec d0 = e.R.n0, th = e.th, A = e.A, B = e.B();
+  const V tau = e.tau, zeta = e.zeta, beta = zeta - tau * tau;  // beta = |A|^2
+
+  // Momentum: J^T u, u and r x u.
+  const V length2 = length * length;
+  rates.g += length2 * (Cross(d0, U2) + tau * U3 + Dot(th, U3) * d0 +
+                        (Dot(A, V2) + Dot(B, V3) - T(2) * Dot(d0, U3)) * th);
+  left.b1 += length * U0;
+  left.b2 += length2 * (Cross(d0, U1) + Cross(A, U2) + Cross(B, U3));
+
+  // Inertia. From here on the sums are those of an element of its own length and mass.
+  const V I0 = length * step.inertia, I1 = length * I0, I2 = length * I1;
+  s2 *= I1, s3 *= I1, t2 *= I1, t3 *= I1;
+  const V s1 = T(0.5) * I1, m11 = T(1.0 / 3) * I2;
+  m12 *= I2, m13 *= I2, m22 *= I2, m23 *= I2, m33 *= I2;
+  n12 *= I2, n13 *= I2, n22 *= I2, n33 *= I2, n32_23 *= I2, o22 *= I2, o33 *= I2;
+  const V tau_m23 = tau * m23, tau_m33 = tau * m33, zeta_m33 = zeta * m33;
+
+  // J^T J.
+  const V both =
+      T(2) * (n22 + (tau * tau + T(2) * beta) * n33) + T(4) * m33 + beta * (o22 + zeta * o33);
+  const V diagonal = m22 + tau * tau_m33;
+  rates.H.xx += diagonal, rates.H.yy += diagonal, rates.H.zz += diagonal;
+  AddTwice(
+      rates.H, d0,
+      (T(0.5) * (zeta_m33 - m22)) * d0 - (tau * (T(3) * m33 + n22 + zeta * n33)) * th - m23 * A);
+  AddTwice(rates.H, th, (T(0.5) * both) * th + (tau * n32_23) * A);
+
+  // J^T.
+  const Vec s3th = s3 * th;
+  const Vec C = t2 * A + (t3 * tau) * th - (t3 * zeta + T(2) * s3) * d0;
+  AddCrossMatrix(rates.Hv1, s2 * d0, s3 * tau);
+  AddOuter(rates.Hv1, d0, s3th);
+  AddOuter(rates.Hv1, th, C);
+
+  // -J^T [r].
+  const V m13_33 = m13 - zeta_m33, twice = T(2) * m23 + n12;
+  const Vec w = -tau * (m13_33 * d0 + m23 * A + tau_m33 * th);
+  AddCrossMatrix(rates.Hv2, w, m12 - beta * m23);
+  AddOuter(rates.Hv2, d0, (T(2) * zeta * m23 - m12) * d0 - tau_m23 * th - m13_33 * A);
+  AddOuter(rates.Hv2, A, -m22 * d0);
+  AddOuter(
+      rates.Hv2, th,
+      (twice - beta * n32_23) * th - (tau * (m23 + twice)) * d0 - (T(2) * tau_m33 + tau * n13) * A);
+
+  // The whole element turning and moving as a rigid body.
+  left.A11.xx += I0, left.A11.yy += I0, left.A11.zz += I0;
+  left.A12 -= CrossMatrix(s1 * d0 + s2 * A + s3 * B);
+  Symmetric<V> second{};  // r r^T
+  AddTwice(
+      second, d0,
+      (T(0.5) * (m11 - zeta * (m13 + m13_33))) * d0 + (m12 - zeta * m23) * A + (tau * m13_33) * th);
+  AddTwice(second, A, (T(0.5) * m22) * A + tau_m23 * th);
+  AddOuter(second, (tau * tau_m33) * th, th);
+  AddInertiaOf(left.A22, second);
+}
+
+template <typename T, int W>
+[[gnu::always_inline]] inline void StrandStep<T, W>::AddElasticity(const Constants& step,
+                                                                   const Vec& stiffness,
+                                                                   const T* constants,
+                                                                   const T* state, const Element& e,
+                                                                   RateCost& rates) {
+  const V inverse = Row(constants, layout::kInverseLength);
+  const Vec hk = (step.h * inverse) * stiffness;
+  const Vec force = Times(hk, Rows(state, layout::kAngles) - Rows(constants, layout::kNatural));
+  const V friction = step.friction * inverse;
+  const Vec stiff = step.h * hk;
+  const Vec k{Damped(stiff.x, friction), Damped(stiff.y, friction), Damped(stiff.z, friction)};
+  rates.g -= e.R * force;
+  // sum k_i n_i n_i^T, of which k_1 n_1 n_1^T = k_1 (1 - n_0 n_0^T - n_2 n_2^T).
+  const V even = k.y;
+  rates.H.xx += even, rates.H.yy += even, rates.H.zz += even;
+  AddOuter(rates.H, (k.x - k.y) * e.R.n0, e.R.n0);
+  AddOuter(rates.H, (k.z - k.y) * e.R.n2, e.R.n2);
+}
+
+template <typename T, int W>
+[[gnu::always_inline]] inline void StrandStep<T, W>::EndTurns(const Element& e, Vec (&S)[3]) {
+  const Vec th = e.th, a = e.c2 * th, b = e.c3 * th;
+  const V turn = T(1) - e.zeta * e.c3;
+  S[0] = th.x * b, S[1] = th.y * b, S[2] = th.z * b;
+  S[0].x += turn, S[0].y += a.z, S[0].z -= a.y;
+  S[1].x -= a.z, S[1].y += turn, S[1].z += a.x;
+  S[2].x += a.y, S[2].y -= a.x, S[2].z += turn;
+}
+
+template <typename T, int W>
+[[gnu::always_inline]] inline void StrandStep<T, W>::AddTip(const Element& e,
+                                                            const CostToGo& beyond, RateCost& rates,
+                                                            CostToGo& left) {
+  Vec S[3];
+  EndTurns(e, S);
+  const Vec Q[3] = {beyond.A22 * S[0], beyond.A22 * S[1], beyond.A22 * S[2]};
+  rates.Hv2.x += Q[0], rates.Hv2.y += Q[1], rates.Hv2.z += Q[2];
+  rates.g += Vec{Dot(S[0], beyond.b2), Dot(S[1], beyond.b2), Dot(S[2], beyond.b2)};
+  rates.H.xx += Dot(S[0], Q[0]), rates.H.xy += Dot(S[0], Q[1]), rates.H.xz += Dot(S[0], Q[2]);
+  rates.H.yy += Dot(S[1], Q[1]), rates.H.yz += Dot(S[1], Q[2]), rates.H.zz += Dot(S[2], Q[2]);
+  left.A22 += beyond.A22;
+  left.b2 += beyond.b2;
+}
+
+template <typename T, int W>
+[[gnu::always_inline]] inline void StrandStep<T, W>::AddBeyond(const V& length, const Element& e,
+                                                               const CostToGo& beyond,
+                                                               RateCost& rates, CostToGo& left) {
+  const Vec d0 = e.R.n0, th = e.th;
+  const V tau = e.tau;
+  Vec S[3];
+  EndTurns(e, S);
+  const V phi2 = length * e.c2, phi3 = length * e.c3;
+  const V psi2 = length * (T(2) * e.c4 - e.c3), psi3 = length * (T(3) * e.c5 - e.c4);
+  const Vec d = (length - e.zeta * phi3) * d0 + phi2 * e.A + (tau * phi3) * th;
+  const Vec C = psi2 * e.A + (psi3 * tau) * th - (psi3 * e.zeta + T(2) * phi3) * d0;
+  const Vec f = phi3 * d0, p = phi2 * d0;
+  const V diagonal = phi3 * tau;
+  Vec J[3] = {f.x * th + th.x * C, f.y * th + th.y * C, f.z * th + th.z * C};
+  J[0].x += diagonal, J[0].y -= p.z, J[0].z += p.y;
+  J[1].x += p.z, J[1].y += diagonal, J[1].z -= p.x;
+  J[2].x -= p.y, J[2].y += p.x, J[2].z += diagonal;
+
+  Vec P[3], Q[3];  // A S, by columns.
+  for (int i = 0; i < 3; ++i) {
+    P[i] = beyond.A11 * J[i] + beyond.A12 * S[i];
+    Q[i] = beyond.A22 * S[i] + TransposeTimes(beyond.A12, J[i]);
+  }
+  rates.Hv1.x += P[0], rates.Hv1.y += P[1], rates.Hv1.z += P[2];
+  rates.Hv2.x += Q[0] + Cross(d, P[0]);
+  rates.Hv2.y += Q[1] + Cross(d, P[1]);
+  rates.Hv2.z += Q[2] + Cross(d, P[2]);
+  rates.g +=
+      Vec{Dot(J[0], beyond.b1) + Dot(S[0], beyond.b2), Dot(J[1], beyond.b1) + Dot(S[1], beyond.b2),
+          Dot(J[2], beyond.b1) + Dot(S[2], beyond.b2)};
+  rates.H.xx += Dot(J[0], P[0]) + Dot(S[0], Q[0]);
+  rates.H.xy += Dot(J[0], P[1]) + Dot(S[0], Q[1]);
+  rates.H.xz += Dot(J[0], P[2]) + Dot(S[0], Q[2]);
+  rates.H.yy += Dot(J[1], P[1]) + Dot(S[1], Q[1]);
+  rates.H.yz += Dot(J[1], P[2]) + Dot(S[1], Q[2]);
+  rates.H.zz += Dot(J[2], P[2]) + Dot(S[2], Q[2]);
+
+  // X^T A X with X = (1, -[d]; 0, 1).
+  const Matrix<V> Y = beyond.A12 - TimesCross(beyond.A11, d);
+  left.A11 += beyond.A11;
+  left.A12 += Y;
+  left.A22 += beyond.A22;
+  AddCongruence(left.A22, beyond.A12, Y, d);
+  left.b1 += beyond.b1;
+  left.b2 += beyond.b2 + Cross(d, beyond.b1);
+}
+
+// The rates by the left end's twist, and the cost of that alone (S7).
+template <typename T, int W>
+[[gnu::always_inline]] inline void StrandStep<T, W>::Eliminate(const RateCost& rates, Element& e,
+                                                               CostToGo& left) {
+  const Factor<V> H(rates.H, All(sizeof(T) == 4 ? 1e-6 : 1e-15));
+  e.L = H.L;
+  // In the factored basis: Z = L^-1 Hv, of which D^-1 Z is kept.
+  Matrix<V> Z1 = rates.Hv1, Z2 = rates.Hv2;
+  Vec z = rates.g;
+  H.L.Forward(Z1);
+  H.L.Forward(Z2);
+  H.L.Forward(z);
+  e.Z1 = H.OverD(Z1);
+  e.Z2 = H.OverD(Z2);
+  e.z = H.OverD(z);
+  SubtractProduct(left.A11, Z1, e.Z1);
+  SubtractProduct(left.A12, Z1, e.Z2);
+  SubtractProduct(left.A22, Z2, e.Z2);
+  left.b1 -= TransposeTimes(Z1, e.z);
+  left.b2 -= TransposeTimes(Z2, e.z);
+}
+
+// Root to tip: rates from the left end's twist, the new state, the right end's twist. Returns a sum
+// that is finite just where all that is new is.
+template <typename T, int W>
+[[gnu::always_inline]] inline typename StrandStep<T, W>::V StrandStep<T, W>::Advance(
+    const V& dt, const T* constants, Element& e, Vec& velocity, Vec& spin, T* state) {
+  const Vec d0 = e.R.n0;
+  Vec v = e.L.Backward(e.z - e.Z1 * velocity - e.Z2 * spin);
+  const V turned = dt * dt * Dot(v, v);
+  const auto far = turned > T(kLargestTurn * kLargestTurn);
+  if (simd::MANE_ISA::Any(far)) {
+    const V scale = T(kLargestTurn) / simd::MANE_ISA::Sqrt(turned);
+    v = (far ? scale : All(1)) * v;
+  }
+  // The field is velocity + phi1 X1 + phi2 X2 + phi3 X3 + psi2 Y2 + psi3 Y3.
+  const V length = Row(constants, layout::kLength);
+  const Vec lw = length * spin, lv = length * v, B = e.B();
+  const V dot = Dot(e.th, lv);
+  const Vec X1 = Cross(lw, d0);
+  const Vec X2 = Cross(lw, e.A) + Cross(lv, d0);
+  const Vec X3 = Cross(lw, B) + e.tau * lv + Dot(d0, lv) * e.th - (T(2) * dot) * d0;
+  const Vec Y2 = dot * e.A, Y3 = dot * B;
+  V sum{};
+#pragma GCC unroll 4
+  for (int g = 0; g < kGaussPoints; ++g) {
+    const Vec u_theta = velocity + All(kGauss.nodes[g]) * X1 + e.phi2[g] * X2 + e.phi3[g] * X3 +
+                        e.psi2[g] * Y2 + e.psi3[g] * Y3;
+    const Vec u = Rows(state, layout::kVelocities + 3 * g);
+    const Vec next = u + All(1 / kTheta) * (u_theta - u);
+    Put(next, state, layout::kVelocities + 3 * g);
+    sum += next.x + next.y + next.z;
+  }
+  const Vec rate = TransposeTimes(e.R, v);
+  const Vec q = Rows(state, layout::kAngles) + dt * rate;
+  Put(rate, state, layout::kRates);
+  Put(q, state, layout::kAngles);
+  velocity += X1 + e.c2 * X2 + e.c3 * X3 + (T(2) * e.c4 - e.c3) * Y2 + (T(3) * e.c5 - e.c4) * Y3;
+  spin += EndTurn(e.th, v, e.c2, e.c3);
+  return sum + (q.x + q.y + q.z);
+}
+
+template <typename T, int W>
+template <bool tip, bool root>
+[[gnu::always_inline]] inline void StrandStep<T, W>::GoThrough(const Constants& step,
+                                                               const Vec& stiffness,
+                                                               const T* constants, const T* state,
+                                                               Element& e, CostToGo& beyond) {
+  const V length = Row(constants, layout::kLength);
+  RateCost rates{};
+  CostToGo left{};
+  AddInertia(step, length, state, e, rates, left);
+  AddElasticity(step, stiffness, constants, state, e, rates);
+  const Vec B = e.B(), end = e.R.n0 + e.c2 * e.A + e.c3 * B;
+  const Vec centre = All(0.5) * e.R.n0 + e.c3 * e.A + e.c4 * B;
+  if constexpr (tip) beyond = CostToGo{};
+  left.arm = length * (beyond.mass * end + length * centre);
+  left.mass = beyond.mass + length;
+  AddWeight(step, e.spin, All(0.5) * (left.arm + beyond.arm), beyond);
+  if constexpr (tip) {
+    AddTip(e, beyond, rates, left);
+  } else {
+    AddBeyond(length, e, beyond, rates, left);
+  }
+  Eliminate(rates, e, left);
+  if constexpr (!root) beyond = left;
+}
+
+template <typename T, int W>
+void StrandStep<T, W>::Step(int N, const T* constants, const T* drive, T* state, Element* scratch,
+                            T* size) {
+  const Clamp clamp = ReadClamp(constants, drive);
+  const Constants step = Prepare(constants, drive, clamp.velocity);
+  const Vec stiffness = Rows(constants, layout::kStiffness);
+  Linearise(N, clamp, step.h, state, scratch);
+
+  constexpr int kConstants = layout::kConstantsPerElement * layout::kLanes;
+  constexpr int kState = layout::kStatePerElement * layout::kLanes;
+  const T* element_constants = constants + layout::kFirstElement * layout::kLanes;
+  CostToGo beyond{};
+  const auto go = [&]<bool tip, bool root>(int Q) __attribute__((always_inline)) {
+    GoThrough<tip, root>(step, stiffness, element_constants + Q * kConstants, state + Q * kState,
+                         scratch[Q], beyond);
+  };
+  if (N == 1) {
+    go.template operator()<true, true>(0);
+  } else {
+    go.template operator()<true, false>(N - 1);
+    for (int Q = N - 2; Q > 0; --Q) go.template operator()<false, false>(Q);
+    go.template operator()<false, true>(0);
+  }
+
+  const V dt = Row(drive, layout::kDuration);
+  Vec velocity = clamp.velocity, spin = clamp.spin;
+  V sum{}, largest{};
+  for (int Q = 0; Q < N; ++Q) {
+    sum += Advance(dt, element_constants + Q * kConstants, scratch[Q], velocity, spin,
+                   state + Q * kState);
+    const Vec q = Rows(state + Q * kState, layout::kAngles);
+    const V square = Dot(q, q);
+    largest = square > largest ? square : largest;
+  }
+  const auto finite = (sum < T(1e30)) & (sum > T(-1e30));
+  simd::MANE_ISA::Store(finite ? largest : All(1e30), size);
+}
+
+}  // namespace MANE_ISA
+}  // namespace mane::rod
