@@ -19,7 +19,9 @@ from mane.motion import write_csv
 
 COMMANDS = [
     "status", "animate", "bake", "groom create", "groom import", "groom report", "groom list",
-    "groom show", "groom delete", "job list", "job show", "job cancel",
+    "groom show", "groom delete", "job list", "job show", "job cancel", "experiment curly-clump",
+    "experiment pendulum", "experiment buckling", "experiment head-shake",
+    "experiment cantilever", "experiment bend-twist",
 ]  # fmt: skip
 
 

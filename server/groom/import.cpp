@@ -10,6 +10,7 @@
 
 #include "groom/describe.h"
 #include "groom/presets.h"
+#include "groom/resolution.h"
 #include "groom/range.h"
 #include "groom/validate.h"
 #include "rod/chain.h"
@@ -91,8 +92,9 @@ rod::Fit FitStrand(const ImportedStrand& strand, const ImportOptions& options) {
   if (options.error_bound_m > 0) {
     fit_options.bound = options.error_bound_m;
     // The count of straight hair is what motion needs, however few elements would fit.
-    fit_options.fewest =
-        std::min(DefaultElementCount(HairType::kAsianSmooth, Length(points)), fit_options.elements);
+    fit_options.fewest = std::min(
+        ElementCountFor(HairType::kAsianSmooth, Length(points), kDefaultErrorTarget, false),
+        fit_options.elements);
   }
   return rod::FitPolyline(points, fit_options);
 }

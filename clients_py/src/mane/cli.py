@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from mane import channel, cli_groom, cli_job, cli_motion
+from mane import channel, cli_experiment, cli_groom, cli_job, cli_motion
 from mane.client import Client
 from mane.errors import Error
 from mane.progress import err, out
@@ -20,6 +20,7 @@ app = typer.Typer(
 )
 app.add_typer(cli_groom.app, name="groom")
 app.add_typer(cli_job.app, name="job")
+app.add_typer(cli_experiment.app, name="experiment")
 app.command()(cli_motion.animate)
 app.command()(cli_motion.bake)
 

@@ -1,0 +1,108 @@
+"""`mane experiment`: scenes of [SH06] and of rod mechanics, held against theory."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.table import Table
+
+from mane.progress import err, out, waiting
+
+app = typer.Typer(
+    no_args_is_help=True,
+    rich_markup_mode="markdown",
+    help="Scenes of the Super-Helix paper and of rod mechanics, played on the server and held "
+    "against theory.",
+)
+
+_Folder = Annotated[
+    Path, typer.Option("--out", file_okay=False, help="Folder for figures and numbers.")
+]
+_Quick = Annotated[bool, typer.Option("--quick", help="Fewer cases: seconds instead of minutes.")]
+
+_HELP = {
+    "curly-clump": """
+    Shake a curly clump up and down, and see its span against internal friction gamma.
+
+    Figure 6 of the Super-Helix paper fits gamma to such a clump. The more friction, the smaller the
+    swing of the span; where friction rules, it falls as 1 / gamma.
+    """,
+    "pendulum": """
+    Let a hanging strand swing, and see how fast air drag nu damps it.
+
+    Without internal friction every vibration decays at nu / (2 rho S). The time step adds some,
+    which a sweep of steps tells apart; the frequency is that of a heavy rod.
+    """,
+    "buckling": """
+    See an upright strand fall over by its weight, and strands buckle over a shaken root.
+
+    The critical length is Greenhill's, 1.986 (EI / (rho S g))^(1/3). Roots that go up and down make
+    strands sway where Floquet's theory says so (figure 7 of the Super-Helix paper).
+    """,
+    "head-shake": """
+    Shake a whole head of every hair type: pictures at several times, and what the tips do.
+
+    Strands keep their length, and come to rest at least as fast as air drag says.
+    """,
+    "cantilever": """
+    See how far straight strands sag from a horizontal clamp, against the gravito-bending number.
+
+    rho S g L^3 / EI alone decides: the master curve is that of the heavy elastica. Tips of N = 5,
+    10 and 20 elements are compared with it.
+    """,
+    "bend-twist": """
+    See when a naturally curved strand in a horizontal clamp leaves its plane, and where it rests.
+
+    Gravito-bending number and natural angle decide. The border, and tips of N = 5, 10 and 20
+    elements, are compared with converged equilibria of a Kirchhoff rod.
+    """,
+}
+
+_MORE = """
+
+    Examples:
+
+    ```
+    mane experiment {name}
+    mane experiment {name} --out results --quick
+    ```
+
+    Writes NAME-PART.png, NAME-PART.csv and NAME.json, and prints what theory says beside what was
+    measured. Exits with 1 where they disagree. Needs `mane[pictures]`; its grooms are deleted.
+    """
+
+
+def _command(name: str) -> Callable:
+    def experiment(
+        context: typer.Context, folder: _Folder = Path("."), quick: _Quick = False
+    ) -> None:
+        from mane.experiments.report import Report  # Only here: solvers take a while to load.
+
+        report = Report(name, folder)
+        module = importlib.import_module(f"mane.experiments.{name.replace('-', '_')}")
+        with waiting(f"{name} on {context.obj.server}"):
+            module.run(context.obj, report, quick)
+        report.write()
+        _print(report)
+        if not report.holds:
+            err.print(f"{name}: measurement and theory disagree", style="red")
+            raise typer.Exit(1)
+
+    return experiment
+
+
+def _print(report) -> None:
+    table = Table("", "", "theory", "measured", box=None)
+    for fact in report.facts:
+        table.add_row("ok" if fact.holds else "OFF", fact.what, fact.theory, fact.measured)
+    out.print(table, markup=False)
+    for path in report.files:
+        out.print(str(path.absolute()), markup=False)
+
+
+for _name, _text in _HELP.items():
+    app.command(_name, help=_text + _MORE.replace("{name}", _name))(_command(_name))

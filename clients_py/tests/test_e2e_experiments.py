@@ -1,0 +1,83 @@
+"""Every experiment, quick, on a real daemon: the laws hold, files come out, no groom stays."""
+
+from __future__ import annotations
+
+import csv
+import json
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from mane.experiments import curly_clump
+from test_cli import run
+
+# What is asserted is asserted by number here, so that no bound can be loosened unseen.
+LAWS = {
+    "curly-clump": {
+        "where friction rules, the swing is as 1 / gamma: 1e-8 to 1e-7": (9.7, 10.3),
+        "swing at twice the time step, relative change": (0, 0.01),
+    },
+    "pendulum": {
+        "decay at nu = 5e-06, step -> 0": (0.2424, 0.2473),
+        "decay at nu = 5e-05, step -> 0": (2.424, 2.473),
+        "decay without drag, step -> 0": (0, 0.002),
+    },
+    "buckling": {
+        "N = 10: critical length / (EI / rho S g)^(1/3)": (1.9842, 1.9886),
+        "N = 20: critical length / (EI / rho S g)^(1/3)": (1.9858, 1.9870),
+        "shaken upright: largest error of a growth rate": (0, 0.1),
+    },
+    "head-shake": {"smooth: longest guide at any time over its length": (0.99, 1.00001)},
+    "cantilever": {
+        "N = 5: largest tip error / L": (0, 0.06),
+        "N = 10: largest tip error / L": (0, 0.02),
+        "N = 20: largest tip error / L": (0, 0.0055),
+    },
+    "bend-twist": {
+        "N = 10: critical load, largest relative error": (0, 0.015),
+        "N = 20: critical load, largest relative error": (0, 0.00375),
+        "N = 10: largest tip error / L, away from the border": (0, 0.01),
+        "N = 20: largest tip error / L, away from the border": (0, 0.0025),
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_laws_hold(name, maned, client, tmp_path):
+    said = run("experiment", name, "--quick", "--out", str(tmp_path), server=maned.address)
+    found = json.loads((tmp_path / f"{name}.json").read_text())
+    assert found["holds"] and all(fact["holds"] for fact in found["facts"])
+    for law, (low, high) in LAWS[name].items():
+        assert low <= found["values"][law] <= high, law
+        assert law in said
+    pictures = list(tmp_path.glob(f"{name}-*.png"))
+    assert pictures
+    for picture in pictures:
+        assert str(picture) in said
+        with Image.open(picture) as image:
+            assert len(np.unique(np.asarray(image.convert("RGB")).reshape(-1, 3), axis=0)) > 50
+    for path in tmp_path.glob("*.csv"):
+        with open(path, newline="") as file:
+            rows = np.array(list(csv.reader(file))[1:], dtype=float)
+        assert len(rows) > 1 and np.isfinite(rows).all(), path
+    assert not [g for g in client.list_grooms() if g.display_name.startswith("mane")]
+
+
+def test_same_server_same_numbers(maned, tmp_path):
+    for folder in ("one", "two"):
+        run("experiment", "curly-clump", "--quick", "--out", str(tmp_path / folder),
+            server=maned.address)  # fmt: skip
+    first, second = (tmp_path / each / "curly-clump-span.csv" for each in ("one", "two"))
+    assert first.read_bytes() == second.read_bytes()
+
+
+def test_disagreement_ends_with_1(maned, client, tmp_path, monkeypatch):
+    # As if the clump's friction were none of the server's business.
+    from mane.experiments.report import Report
+
+    guide = curly_clump.clump(1e-10)
+    monkeypatch.setattr(curly_clump, "clump", lambda friction: guide)
+    report = Report("curly-clump", tmp_path)
+    curly_clump.run(client, report, quick=True)
+    assert not report.holds

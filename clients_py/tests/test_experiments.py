@@ -1,0 +1,135 @@
+"""The experiments' own theory against closed forms: what Mane is held against must be right."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_bvp
+from scipy.optimize import brentq
+from scipy.special import jv
+
+from mane.experiments import kirchhoff, modes
+from mane.experiments.buckling import Shaken
+from mane.experiments.pendulum import damped_wave
+from mane.experiments.report import Report
+from mane.experiments.scene import UP, straight_hair
+
+
+def test_the_planar_rod_is_the_elastica_of_a_collocation_solver():
+    load = 20.0
+
+    def rates(s, y):
+        return np.vstack([y[1], -load * (1 - s) * np.cos(y[0]), np.cos(y[0]), -np.sin(y[0])])
+
+    def ends(root, tip):
+        return np.array([root[0], tip[1], root[2], root[3]])
+
+    s = np.linspace(0, 1, 41)
+    solved = solve_bvp(rates, ends, s, np.vstack([s, 0 * s, s, -s]), tol=1e-9, max_nodes=20000)
+    assert solved.success
+    rod = kirchhoff.Rod(load)
+    angle = kirchhoff.planar_branch([kirchhoff.Rod(x) for x in (0.1, 1, 5, load)])[-1]
+    tip = kirchhoff.shoot(rod, kirchhoff.hanging(angle)).centerlines[0, -1]
+    np.testing.assert_allclose(tip, [*solved.y[2:, -1], 0], atol=1e-8)
+
+
+def test_a_weightless_rod_is_its_natural_helix():
+    twist, bend = 3.0, 4.0
+    rod = kirchhoff.Rod(0.0, (twist, 0.0, bend), 0.7)
+    line = kirchhoff.shoot(rod, [[0.0, -1.0, 0.0]]).centerlines[0]
+    turn = np.hypot(twist, bend)
+    along, across = twist / turn, bend / turn
+    s = np.linspace(0, 1, len(line))
+    # About the axis (along, 0, across) of the root's frame; radius bend / turn^2.
+    axis, normal = np.array([along, 0, across]), np.array([0.0, 1.0, 0.0])
+    side = np.array([across, 0, -along])
+    radius = bend / turn**2
+    helix = (
+        np.outer(along * s, axis)
+        + np.outer(radius * np.sin(turn * s), side)
+        + np.outer(radius * (1 - np.cos(turn * s)), normal)
+    )
+    np.testing.assert_allclose(line, helix, atol=1e-8)
+
+
+def test_equilibria_in_space_have_no_slope_of_energy_and_converge():
+    rod = kirchhoff.Rod(15.0, (0.0, 0.0, 4.0), 0.68)
+    found = kirchhoff.equilibria(rod, (0, -1, 0), 40)
+    assert abs(found.centerlines[0, -1, 2]) > 0.3  # Out of the plane.
+    np.testing.assert_allclose(found.weight_at_root[0], (0, -1, 0), atol=1e-9)
+    assert np.all(np.diff(found.energies) > 0)
+    # Energy is least among curves: d(energy)/d(load) is then the mean depth with its sign alone.
+    near = [
+        kirchhoff.equilibria(kirchhoff.Rod(load, rod.curvature, rod.torsion), (0, -1, 0), 40)
+        for load in (14.99, 15.01)
+    ]
+    slope = (near[1].energies[0] - near[0].energies[0]) / 0.02
+    height = np.trapezoid(found.centerlines[0, :, 1], dx=1 / kirchhoff.STEPS)
+    assert slope == pytest.approx(height, abs=1e-4)
+
+
+def test_the_planar_rod_gives_way_where_spatial_equilibria_begin():
+    def others(load: float) -> int:
+        rod = kirchhoff.Rod(load, (0.0, 0.0, 4.0), 1 / 1.48)
+        lines = kirchhoff.equilibria(rod, (0, -1, 0), 40).centerlines
+        return int((np.abs(lines[:, -1, 2]) > 1e-3).sum())
+
+    from mane.experiments.bend_twist import critical_load
+
+    critical = critical_load(4.0)
+    assert others(0.99 * critical) == 0
+    assert others(1.01 * critical) == 1
+
+
+def test_modes_are_those_of_beam_chain_and_column():
+    beam = modes.first_mode(1e-9, hangs=True)
+    root = brentq(lambda x: np.cos(x) * np.cosh(x) + 1, 1.5, 2.5)
+    assert beam.frequency == pytest.approx(root**2, rel=1e-9)
+    assert beam.bending_part == pytest.approx(1, abs=1e-8)
+    # A heavy strand swings as a chain does, J0(2 omega) = 0, stiffer by about G^(-1/2).
+    chain = brentq(lambda x: jv(0, 2 * x), 1, 1.5)
+    ratio = modes.first_mode(300.0, hangs=True).frequency / 300**0.5 / chain
+    assert 1 < ratio < 1 + 1.5 * 300**-0.5
+    # Greenhill: G = 9/4 j^2 with the first zero j of the Bessel function of order -1/3.
+    zero = brentq(lambda x: jv(-1 / 3, x), 1.5, 2.5)
+    assert modes.critical_number() == pytest.approx(9 / 4 * zero**2, rel=1e-9)
+    with pytest.raises(ValueError, match="falls over"):
+        modes.first_mode(8.0, hangs=False)
+
+
+def test_floquet_growth_is_mathieus_at_small_amplitude():
+    strand = Shaken(straight_hair(UP, 0.058, 10), hangs=False)
+    (own_squared, *_), weight = strand.modal()
+    own, amplitude = own_squared**0.5, 5e-5
+    # x'' + (own^2 + e cos(2 own t)) x = 0 grows at |e| / (4 own), e = weight A (2 own)^2.
+    expected = abs(weight[0, 0]) * amplitude * own
+    assert strand.growth(amplitude, 2 * own, 512) == pytest.approx(expected, rel=0.02)
+
+
+def test_a_damped_wave_is_fitted_exactly():
+    times = np.linspace(0, 2, 200)
+    wave = 3e-3 * np.exp(-0.7 * times) * np.cos(9 * times + 1) + 1e-4
+    np.testing.assert_allclose(damped_wave(times, wave, 8.5), [0.7, 9, 3e-3], rtol=1e-6)
+
+
+def test_a_report_tells_agreement_from_disagreement(tmp_path):
+    report = Report("trial", tmp_path / "new")
+    report.equal("first", 10.0, 10.4, 0.05, " m")
+    assert report.holds
+    report.at_most("second", 0.2, 0.1)
+    assert not report.holds
+    report.table("part", {"a": [1, 2], "b": [0.5, 1e-9]})
+    with report.figure("part") as (axes,):
+        axes.plot([1, 2])
+    report.write()
+    assert [path.name for path in report.files] == [
+        "trial-part.csv",
+        "trial-part.png",
+        "trial.json",
+    ]
+    assert (tmp_path / "new" / "trial-part.csv").read_text() == "a,b\n1,0.5\n2,1e-09\n"
+    content = json.loads(report.files[-1].read_text())
+    assert [fact["holds"] for fact in content["facts"]] == [True, False]
+    assert content["values"] == {"first": 10.4, "second": 0.2}
