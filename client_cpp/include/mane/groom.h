@@ -87,7 +87,7 @@ struct GuideGeneration {
   std::uint32_t element_count = 0;  ///< N per guide, of graded lengths; 0 lets the server choose.
   /// With element_count 0: how far a tip may be from where infinitely many elements would have it,
   /// at rest and in a moderate shake, rms, relative to the length. In [1e-3, 0.2]; unset is 0.02.
-  std::optional<double> error_target;
+  std::optional<double> error_target = std::nullopt;
   std::uint64_t seed = 0;  ///< Same scalp, same numbers, same seed: same bits.
   /// Relative variation of natural curvatures and twist along a strand, in [0, 1].
   double curl_variation = 0.05;

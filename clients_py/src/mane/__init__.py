@@ -32,6 +32,7 @@ from mane.groom import (
     GuideGeneration,
     HairType,
     RestShape,
+    StrandModel,
     frame_along,
 )
 from mane.heads import LockstepHead, RealtimeHead
@@ -78,6 +79,7 @@ __all__ = [
     "RestShape",
     "Space",
     "Status",
+    "StrandModel",
     "Unauthenticated",
     "Unavailable",
     "frame_along",
