@@ -1,6 +1,5 @@
 #include "mane/client.h"
 
-#include <cstring>
 #include <utility>
 
 #include "convert.h"
@@ -13,12 +12,6 @@ namespace mane::inline client {
 namespace {
 
 constexpr int kPageSize = 1000;
-
-std::vector<double> Numbers(const std::string& bytes) {
-  std::vector<double> numbers(bytes.size() / sizeof(double));
-  if (!numbers.empty()) std::memcpy(numbers.data(), bytes.data(), numbers.size() * sizeof(double));
-  return numbers;
-}
 
 }  // namespace
 
@@ -94,6 +87,17 @@ Result<void> Client::DeleteGroom(const std::string& name) {
   return {};
 }
 
+Result<ImportReport> Client::GetImportReport(const std::string& name) {
+  grpc::ClientContext context;
+  impl_->transport()->PrepareCall(context);
+  v1::GetImportReportRequest request;
+  request.set_name(name);
+  v1::ImportReport report;
+  const grpc::Status status = impl_->grooms().GetImportReport(&context, request, &report);
+  if (!status.ok()) return ToError(status);
+  return FromProto(report);
+}
+
 Result<RestShape> Client::ComputeRestShape(const std::string& name,
                                            const RestShapeOptions& options) {
   grpc::ClientContext context;
@@ -106,8 +110,8 @@ Result<RestShape> Client::ComputeRestShape(const std::string& name,
   v1::ComputeRestShapeResponse response;
   const grpc::Status status = impl_->grooms().ComputeRestShape(&context, request, &response);
   if (!status.ok()) return ToError(status);
-  return RestShape{response.points_per_guide(), Numbers(response.positions()),
-                   Numbers(response.curvatures()), Numbers(response.residuals())};
+  return RestShape{response.points_per_guide(), Numbers<double>(response.positions()),
+                   Numbers<double>(response.curvatures()), Numbers<double>(response.residuals())};
 }
 
 Head Client::OpenHead(const HeadOptions& options) {

@@ -131,6 +131,7 @@ GroomInfo FromProto(const v1::Groom& groom) {
   out.seed = groom.seed();
   out.etag = groom.etag();
   out.has_scalp = groom.has_scalp();
+  if (groom.has_import_summary()) out.import_summary = FromProto(groom.import_summary());
   return out;
 }
 

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <cstring>
+#include <string>
+#include <vector>
+
 #include "mane/geometry.h"
 #include "mane/groom.h"
 #include "mane/head.h"
@@ -16,11 +20,23 @@ v1::Pose ToProto(const Pose& pose);
 v1::Guide ToProto(const Guide& guide);
 v1::EllipsoidScalp ToProto(const EllipsoidScalp& scalp);
 v1::GuideGeneration ToProto(const GuideGeneration& generation);
+v1::ImportedStrand ToProto(const ImportedStrand& strand);
+v1::ImportOptions ToProto(const ImportOptions& options);
 v1::Environment ToProto(const Environment& environment);
 v1::OpenHead ToProto(const HeadOptions& options);
 
 Pose FromProto(const v1::Pose& pose);  ///< Unset parts are the origin and the identity.
 GroomInfo FromProto(const v1::Groom& groom);
+ImportSummary FromProto(const v1::ImportSummary& summary);
+ImportReport FromProto(const v1::ImportReport& report);
+
+/// Little-endian numbers of a `bytes` field; this client runs on little-endian machines only.
+template <typename Number>
+std::vector<Number> Numbers(const std::string& bytes) {
+  std::vector<Number> numbers(bytes.size() / sizeof(Number));
+  if (!numbers.empty()) std::memcpy(numbers.data(), bytes.data(), numbers.size() * sizeof(Number));
+  return numbers;
+}
 
 /// Puts the fields that `change` sets over those of `environment`.
 void Merge(const Environment& change, Environment& environment);

@@ -14,7 +14,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "numbers are copied as they are");
 
-// A batch is sent once it exceeds this; one guide adds at most 9 KiB.
+// A batch is sent once it exceeds this; one guide adds at most 9 KiB, one strand 13.
 constexpr size_t kBatchBytes = 256 << 10;
 
 using Write = std::function<bool(const v1::CreateGroomRequest&)>;
@@ -31,22 +31,37 @@ v1::CreateGroomRequest Header(const GroomUpload& upload) {
   if (const auto* generation = std::get_if<GuideGeneration>(&upload.guides)) {
     *header.mutable_generate() = ToProto(*generation);
   }
+  if (const auto* import = std::get_if<StrandImport>(&upload.guides)) {
+    *header.mutable_import_options() = ToProto(import->options);
+  }
   return request;
 }
 
-bool WriteGuides(const std::vector<Guide>& guides, const Write& write) {
+// Sends entries in batches; `add` puts one into a request and tells its bytes.
+template <typename Entry, typename Add>
+bool WriteBatches(const std::vector<Entry>& entries, const Add& add, const Write& write) {
   v1::CreateGroomRequest request;
   size_t bytes = 0;
-  for (size_t i = 0; i < guides.size(); ++i) {
-    v1::Guide guide = ToProto(guides[i]);
-    bytes += guide.ByteSizeLong();
-    request.mutable_guides()->mutable_guides()->Add(std::move(guide));
-    if (bytes < kBatchBytes && i + 1 < guides.size()) continue;
+  for (size_t i = 0; i < entries.size(); ++i) {
+    bytes += add(entries[i], &request);
+    if (bytes < kBatchBytes && i + 1 < entries.size()) continue;
     if (!write(request)) return false;
     request.Clear();
     bytes = 0;
   }
   return true;
+}
+
+size_t AddGuide(const Guide& guide, v1::CreateGroomRequest* request) {
+  v1::Guide* message = request->mutable_guides()->add_guides();
+  *message = ToProto(guide);
+  return message->ByteSizeLong();
+}
+
+size_t AddStrand(const ImportedStrand& strand, v1::CreateGroomRequest* request) {
+  v1::ImportedStrand* message = request->mutable_strands()->add_strands();
+  *message = ToProto(strand);
+  return message->ByteSizeLong();
 }
 
 // Sends one list of a mesh; `field` picks the bytes of the message that it goes to.
@@ -76,7 +91,9 @@ void ForEachPart(const GroomUpload& upload, const Write& write) {
     if (!written) return;
   }
   if (const auto* guides = std::get_if<std::vector<Guide>>(&upload.guides)) {
-    if (!WriteGuides(*guides, write)) return;
+    if (!WriteBatches(*guides, AddGuide, write)) return;
+  } else if (const auto* import = std::get_if<StrandImport>(&upload.guides)) {
+    if (!WriteBatches(import->strands, AddStrand, write)) return;
   }
   v1::CreateGroomRequest commit;
   commit.mutable_commit();

@@ -153,5 +153,58 @@ TEST(E2eGrooms, AtRestAStrandHangsFromItsRoot) {
   EXPECT_NEAR(weightless->curvatures[5 * 3 + 1], 60, 1e-6) << "the natural shape is wavy";
 }
 
+TEST(E2eGrooms, ImportedStrandsRestInTheirShape) {
+  Daemon daemon;
+  Client client = daemon.Connect();
+  // Hair that leaves the head sideways and falls, 40 points each.
+  StrandImport import;
+  import.options.hair_type = HairType::kCaucasianWavy;
+  for (int i = 0; i < 3; ++i) {
+    ImportedStrand strand;
+    for (int k = 0; k < 40; ++k) {
+      const double t = k / 39.0;
+      strand.points.push_back(static_cast<float>(0.1 + 0.04 * std::sin(2 * t)));
+      strand.points.push_back(static_cast<float>(0.01 * t - 0.15 * t * t));
+      strand.points.push_back(static_cast<float>(0.01 * i * (1 + std::cos(6 * t))));
+    }
+    import.strands.push_back(strand);
+  }
+  GroomUpload upload;
+  upload.guides = import;
+  const auto created = client.CreateGroom(upload);
+  ASSERT_TRUE(created) << created.error().message;
+  ASSERT_TRUE(created->import_summary);
+  EXPECT_EQ(created->import_summary->strand_count, 3u);
+  EXPECT_EQ(created->import_summary->point_count, 120u);
+  EXPECT_EQ(created->import_summary->not_held_count, 0u);
+  EXPECT_LE(created->import_summary->largest_fit_distance_m, import.options.error_bound_m);
+
+  const auto report = client.GetImportReport(created->name);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->held, (std::vector<std::uint8_t>{1, 1, 1}));
+  EXPECT_EQ(report->bounds_met, (std::vector<std::uint8_t>{1, 1, 1}));
+  EXPECT_EQ(*std::ranges::max_element(report->largest_fit_distances),
+            static_cast<float>(created->import_summary->largest_fit_distance_m));
+  EXPECT_EQ(report->element_counts[0] + report->element_counts[1] + report->element_counts[2],
+            created->element_count);
+
+  const auto rest = client.ComputeRestShape(created->name, {.points_per_guide = 2});
+  ASSERT_TRUE(rest);
+  for (size_t i = 0; i < 3; ++i) {
+    for (size_t x = 0; x < 3; ++x) {  // The last point.
+      EXPECT_NEAR(rest->positions[6 * i + 3 + x], import.strands[i].points[117 + x], 1e-3);
+    }
+  }
+
+  import.strands[1].points[4] = std::nanf("");
+  upload.guides = import;
+  const auto refused = client.CreateGroom(upload);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().field, "strands[1].points[1].y");
+  const auto plain = client.GetImportReport(Create(client, WavyGroom(1)));
+  ASSERT_FALSE(plain);
+  EXPECT_EQ(plain.error().code, ErrorCode::kFailedPrecondition);
+}
+
 }  // namespace
 }  // namespace mane::client_test

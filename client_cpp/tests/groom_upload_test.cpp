@@ -117,6 +117,68 @@ TEST(GroomUpload, ConcatenatedMeshPiecesAreTheMesh) {
   EXPECT_EQ(hair.size(), 8u);
 }
 
+TEST(GroomUpload, SendsEveryStrandOnceInOrderWithItsOptions) {
+  StrandImport import;
+  import.options.hair_type = HairType::kCaucasianCurly;
+  import.options.properties.density_kg_m3 = 1200;
+  import.options.element_count = 30;
+  import.options.error_bound_m = 2e-3;
+  import.options.noise_m = 1e-4;
+  import.options.hold = false;
+  import.options.max_stiffness_factor = 7;
+  import.options.stability_margin = 0.2;
+  for (int i = 0; i < 200; ++i) {
+    ImportedStrand strand;
+    strand.points.assign(3000, static_cast<float>(i));
+    import.strands.push_back(strand);
+  }
+  import.strands[7].root_frame = Quaternion{0.5, 0.5, 0.5, 0.5};
+  import.strands[7].properties.radius_1_m = 4e-5;
+  import.strands[7].properties.radius_2_m = 5e-5;
+  import.strands[7].properties.young_modulus_pa = 3e9;
+  import.strands[7].properties.poisson_ratio = 0.4;
+  import.strands[7].properties.internal_friction = 1e-10;
+  import.strands[7].properties.air_drag = 2e-5;
+  GroomUpload upload;
+  upload.guides = import;
+
+  const auto parts = Parts(upload);
+  const v1::ImportOptions& options = parts.front().header().import_options();
+  EXPECT_EQ(options.hair_type(), v1::HAIR_TYPE_CAUCASIAN_CURLY);
+  EXPECT_EQ(options.properties().density_kg_m3(), 1200);
+  EXPECT_FALSE(options.properties().has_air_drag());
+  EXPECT_EQ(options.element_count(), 30u);
+  EXPECT_EQ(options.error_bound_m(), 2e-3);
+  EXPECT_EQ(options.noise_m(), 1e-4);
+  EXPECT_TRUE(options.has_hold() && !options.hold());
+  EXPECT_EQ(options.max_stiffness_factor(), 7);
+  EXPECT_EQ(options.stability_margin(), 0.2);
+  EXPECT_GT(parts.size(), 4u);
+  EXPECT_TRUE(parts.back().has_commit());
+  int expected = 0;
+  for (size_t i = 1; i < parts.size(); ++i) {
+    for (const v1::ImportedStrand& sent : parts[i].strands().strands()) {
+      EXPECT_EQ(sent.points().size(), 12'000u);
+      float first = -1;
+      std::memcpy(&first, sent.points().data(), sizeof first);
+      EXPECT_EQ(first, static_cast<float>(expected));
+      EXPECT_EQ(sent.has_root_frame(), expected == 7);
+      if (expected == 7) {
+        EXPECT_EQ(sent.root_frame().w(), 0.5);
+        EXPECT_EQ(sent.properties().radius_1_m(), 4e-5);
+        EXPECT_EQ(sent.properties().radius_2_m(), 5e-5);
+        EXPECT_EQ(sent.properties().young_modulus_pa(), 3e9);
+        EXPECT_EQ(sent.properties().poisson_ratio(), 0.4);
+        EXPECT_FALSE(sent.properties().has_density_kg_m3());
+        EXPECT_EQ(sent.properties().internal_friction(), 1e-10);
+        EXPECT_EQ(sent.properties().air_drag(), 2e-5);
+      }
+      ++expected;
+    }
+  }
+  EXPECT_EQ(expected, 200);
+}
+
 TEST(GroomUpload, StopsWhenTheStreamBreaks) {
   GroomUpload upload;
   upload.guides = std::vector<Guide>(10);

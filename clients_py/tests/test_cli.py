@@ -18,8 +18,8 @@ from conftest import make_guide, shake
 from mane.motion import write_csv
 
 COMMANDS = [
-    "status", "animate", "bake", "groom create", "groom list", "groom show", "groom delete",
-    "job list", "job show", "job cancel",
+    "status", "animate", "bake", "groom create", "groom import", "groom report", "groom list",
+    "groom show", "groom delete", "job list", "job show", "job cancel",
 ]  # fmt: skip
 
 
@@ -66,6 +66,10 @@ def test_bare_command_shows_a_first_tour():
         ["groom", "create"],
         ["groom", "create", "x", "--hair-type", "bald"],
         ["groom", "create", "x", "--unit", "yard"],
+        ["groom", "import", "no-such-file.npz", "x"],
+        ["groom", "import", __file__, "x", "--unit", "yard"],
+        ["groom", "import", __file__, "x", "--axes", "inside out"],
+        ["groom", "import", __file__, "x", "--elements", "65"],
         ["animate", "no-such-file.bvh", "-g", "x", "-o", "x.npz"],
         ["animate", __file__, "-g", "x", "-o", "/no/such/folder/x.npz"],
         ["animate", __file__, "-g", "x"],
@@ -131,6 +135,35 @@ def test_hair_grows_on_an_obj_file(maned, tmp_path):
                server=maned.address)  # fmt: skip
     assert "5 guides" in made
     run("groom", "delete", "cli-obj", server=maned.address)
+
+
+def test_strands_are_imported_reported_and_drawn(maned, tmp_path):
+    server, picture = maned.address, tmp_path / "strands.png"
+    t = np.linspace(0, 1, 300)
+    hanging = [np.stack([0.03 * np.sin(k + 2 * t), -0.15 * t, 0 * t], 1) for k in range(6)]
+    upright = np.stack([0 * t, 0.3 * t, 0 * t], 1)
+    np.savez(tmp_path / "strands.npz", points=100 * np.stack([*hanging, upright]))  # Centimetres.
+    told = run("groom", "import", str(tmp_path / "strands.npz"), "cli-strands", "--unit", "cm",
+               "--points", "40", "--picture", str(picture), server=server)  # fmt: skip
+    assert "grooms/cli-strands: 7 guides" in told and "7, of 280 points" in told
+    assert "do not hold" in told and "the worst 1 of 1 strands" in told
+    again = run("groom", "report", "cli-strands", server=server)
+    assert "7, of 280 points" in again and "the worst 1 of 1 strands" in again
+    assert "imported" in run("groom", "show", "cli-strands", server=server)
+    with Image.open(picture) as image:
+        pixels = np.asarray(image.convert("RGB")).reshape(-1, 3).astype(int)
+    orange, dark = (pixels[:, 0] > 200) & (pixels[:, 2] < 120), pixels.sum(axis=1) < 300
+    assert orange.sum() > 500 and dark.sum() > 500
+    run("groom", "delete", "cli-strands", server=server)
+    run("groom", "create", "cli-grown", "--guides", "2", server=server)
+    text = run("groom", "report", "cli-grown", server=server, code=1)
+    assert "not made from strands" in text and text.count("\n") == 1
+    run("groom", "delete", "cli-grown", server=server)
+
+
+def test_a_file_that_is_no_strands_ends_with_1():
+    text = run("groom", "import", __file__, "x", server="127.0.0.1:1", code=1)
+    assert "must end in one of .npz" in text and text.count("\n") == 1
 
 
 def test_an_interrupted_bake_is_cancelled(client, maned, tmp_path):

@@ -84,10 +84,12 @@ Result<std::shared_ptr<const Groom>> Assemble(Parts parts, const Limits& limits,
     const auto solve = [&](int begin, int end) {
       for (int i = begin; i < end; ++i) {
         const Guide& guide = groom->guides[i];
-        const auto rest = std::span(groom->rest)
-                              .subspan(groom->first_coordinate[i], guide.coordinate_count());
+        const auto rest =
+            std::span(groom->rest).subspan(groom->first_coordinate[i], guide.coordinate_count());
+        const std::vector<double> natural = NaturalShape(guide);
+        std::ranges::copy(natural, rest.begin());
         (void)SolveRest(guide, kGravity, rest);
-        if (!AllFinite(rest)) SetNatural(guide, rest);
+        if (!AllFinite(rest)) std::ranges::copy(natural, rest.begin());
       }
     };
     if (pool != nullptr) {

@@ -31,8 +31,9 @@ Groom MakeGroom() {
 TEST(DigestTest, IsThirtyTwoHexadecimalDigitsOfTheContentOnly) {
   const Groom groom = MakeGroom();
   Groom copy = MakeGroom();
-  copy.rest_theta.assign(6, Eigen::Vector3d::Ones());
+  copy.rest.assign(18, 1);
   copy.first_element = {0, 3, 6};
+  copy.first_coordinate = {0, 9, 18};
   EXPECT_EQ(Digest(groom), Digest(copy));
   EXPECT_EQ(Digest(groom).size(), 32u);
   EXPECT_EQ(Digest(groom).find_first_not_of("0123456789abcdef"), std::string::npos);
@@ -45,6 +46,13 @@ TEST(DigestTest, ChangesWithEveryField) {
       [](Groom& g) { g.display_name = "mane"; },
       [](Groom& g) { g.hair_type = HairType::kAfricanFuzzy; },
       [](Groom& g) { g.seed = 1; },
+      [](Groom& g) {
+        g.guides[1].strand.natural.assign(g.guides[1].strand.elements(), {1, 2, 0});
+        g.guides[1].wound = rod::MakeWound(g.guides[1].strand);
+      },
+      [](Groom& g) {
+        g.guides[1].strand.natural.assign(g.guides[1].strand.elements(), {1, 2, 0});
+      },
       [](Groom& g) { g.scalp = std::monostate(); },
       [](Groom& g) { g.scalp = Ellipsoid(); },
       [](Groom& g) {

@@ -10,6 +10,7 @@
 #include <numeric>
 #include <utility>
 
+#include "groom/describe.h"
 #include "groom/presets.h"
 #include "groom/range.h"
 #include "groom/resolution.h"
@@ -78,7 +79,12 @@ Result<void> Validate(const Scalp& scalp, const Generation& generation, const Li
                     *generation.error_target, generation.element_count));
   }
   if (generation.model) {
-    if (auto ok = CheckModel(path + ".model", *generation.model); !ok) return ok;
+    const std::string model = path + ".model";
+    if (auto ok = CheckModel(model, *generation.model); !ok) return ok;
+    if (*generation.model == StrandModel::kWound &&
+        NaturalCurvature(PresetOf(generation.hair_type)).isZero()) {
+      return InvalidArgument(model, model + " is WOUND, but this hair type is straight");
+    }
   }
   return ValidateScalp(scalp, limits);
 }
@@ -87,26 +93,12 @@ Result<void> Validate(const Scalp& scalp, const Generation& generation, const Li
 GuideDescription CommonDescription(const Preset& preset, std::vector<double> lengths) {
   GuideDescription d;
   d.element_lengths_m = std::move(lengths);
-  d.radius_1_m = preset.section.radius_1;
-  d.radius_2_m = preset.section.radius_2;
-  d.young_modulus_pa = preset.material.young_modulus;
-  d.poisson_ratio = preset.material.poisson_ratio;
-  d.density_kg_m3 = preset.material.density;
-  d.internal_friction = preset.internal_friction;
-  d.air_drag = preset.air_drag;
+  SetProperties(preset, &d);
   return d;
 }
 
-void SetNatural(const std::vector<Vector3d>& natural, GuideDescription* d) {
-  std::vector<double>* components[] = {&d->natural_twist, &d->natural_curvature_1,
-                                       &d->natural_curvature_2};
-  for (int k = 0; k < 3; ++k) {
-    components[k]->clear();
-    for (const Vector3d& n : natural) components[k]->push_back(n[k]);
-  }
-}
-
-// Whether the guides are to be wound strands: as asked for, or where the hair of even curl would be.
+// Whether the guides are to be wound strands: as asked for, or where the hair of even curl would
+// be.
 bool MostlyWound(const Generation& generation) {
   if (generation.model) return *generation.model == StrandModel::kWound;
   const Preset preset = PresetOf(generation.hair_type);

@@ -12,6 +12,7 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <functional>
@@ -61,7 +62,8 @@ TEST(GenerateTest, MakesGuidesOfThePresetThatLeaveTheScalp) {
       EXPECT_LE(n0.y(), normal.y() + 1e-12);
       EXPECT_NEAR(guide.root.q.norm(), 1, 1e-15);
 
-      EXPECT_EQ(guide.strand.elements(), ElementCountFor(type, 0.2, kDefaultErrorTarget, false));
+      EXPECT_EQ(guide.strand.elements(),
+                ElementCountFor(type, 0.2, kDefaultErrorTarget, guide.wound.has_value()));
       EXPECT_NEAR(guide.strand.TotalLength(), 0.2, 1e-16 * 32);
       EXPECT_EQ(guide.section.radius_1, preset.section.radius_1);
       EXPECT_EQ(guide.section.radius_2, preset.section.radius_2);
@@ -79,7 +81,7 @@ TEST(GenerateTest, TakesTheElementCountAsked) {
   ASSERT_TRUE(guides);
   for (const Guide& guide : *guides) {
     EXPECT_EQ(guide.strand.length,
-              rod::GradedLengths(GradingOf(HairType::kCaucasianCurly, 0.2, false), 7));
+              rod::GradedLengths(GradingOf(HairType::kCaucasianCurly, 0.2, true), 7));
   }
 }
 
@@ -302,6 +304,38 @@ TEST(GenerateTest, NeedsAValidScalp) {
   const auto bad = Generate(flat, Request(HairType::kAsianSmooth), {});
   ASSERT_FALSE(bad);
   EXPECT_EQ(bad.error().field, "header.ellipsoid.radii_m.x");
+}
+
+TEST(GenerateTest, TightCurlsAreWoundUnlessAskedOtherwise) {
+  const Scalp scalp = Ellipsoid{{0, 0, 0}, {0.08, 0.11, 0.1}, {0, 1, 0}, 1.4};
+  Generation generation;
+  generation.guide_count = 8;
+  generation.seed = 5;
+  const auto wound = [&](HairType type, double length) {
+    generation.hair_type = type;
+    generation.length_m = length;
+    const auto guides = Generate(scalp, generation, {});
+    EXPECT_TRUE(guides);
+    return std::ranges::count_if(*guides, [](const Guide& g) { return g.wound.has_value(); });
+  };
+  // Wavy hair turns 4.8 times in 0.3 m; curly 5.4 times in 0.2 m; fuzzy 30 times in 0.1 m.
+  EXPECT_EQ(wound(HairType::kAsianSmooth, 0.3), 0);
+  EXPECT_EQ(wound(HairType::kCaucasianWavy, 0.3), 0);
+  EXPECT_EQ(wound(HairType::kCaucasianCurly, 0.1), 0);
+  EXPECT_EQ(wound(HairType::kCaucasianCurly, 0.2), 8);
+  EXPECT_EQ(wound(HairType::kAfricanFuzzy, 0.1), 8);
+  generation.model = StrandModel::kSuperHelix;
+  EXPECT_EQ(wound(HairType::kAfricanFuzzy, 0.1), 0);
+  generation.model = StrandModel::kWound;
+  EXPECT_EQ(wound(HairType::kCaucasianWavy, 0.3), 8);
+  generation.hair_type = HairType::kAsianSmooth;
+  const auto straight = Generate(scalp, generation, {});
+  ASSERT_FALSE(straight);
+  EXPECT_EQ(straight.error().field, "header.generate.model");
+  generation.model = static_cast<StrandModel>(7);
+  const auto unknown = Generate(scalp, generation, {});
+  ASSERT_FALSE(unknown);
+  EXPECT_EQ(unknown.error().field, "header.generate.model");
 }
 
 }  // namespace

@@ -51,9 +51,7 @@ struct Guide {
   std::optional<rod::WoundStrand> wound;
 
   /// Numbers that say its shape: 3 for each element, 4 of a wound one.
-  [[nodiscard]] int coordinate_count() const {
-    return (wound ? 4 : 3) * strand.elements();
-  }
+  [[nodiscard]] int coordinate_count() const { return (wound ? 4 : 3) * strand.elements(); }
 };
 
 /// A hair asset. Immutable once it is built by `Assemble`, and shared by every head that animates

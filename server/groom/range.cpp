@@ -2,9 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <utility>
 
 namespace mane::groom {
+namespace {
+
+constexpr double kNormTolerance = 1e-2;  // Of quaternions.
+constexpr double kUnitTolerance = 1e-14;
+
+}  // namespace
 
 Error OutOfRange(std::string field, double value, const Range& range) {
   std::string message = fmt::format("{} is {}; it must lie in {}{:g}, {:g}]{}{}", field, value,
@@ -19,6 +26,16 @@ Result<void> CheckVector(const std::string& field, const Eigen::Vector3d& v, con
     if (!range.Contains(v[k])) return OutOfRange(field + kAxes[k], v[k], range);
   }
   return {};
+}
+
+Result<Eigen::Quaterniond> UnitQuaternion(const std::string& field, const Eigen::Quaterniond& q) {
+  const double norm = q.norm();
+  if (!(std::abs(norm - 1) <= kNormTolerance)) {
+    return InvalidArgument(
+        field, fmt::format("{} is ({}, {}, {}, {}) of norm {}; the norm must be within 1 % of 1",
+                           field, q.x(), q.y(), q.z(), q.w(), norm));
+  }
+  return std::abs(q.squaredNorm() - 1) <= kUnitTolerance ? q : q.normalized();
 }
 
 Error TooMany(std::string field, std::string_view what, long count, long limit) {

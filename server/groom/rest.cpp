@@ -1,7 +1,6 @@
 #include "groom/rest.h"
 
 #include <algorithm>
-#include <vector>
 
 #include "base/check.h"
 #include "rod/wound_statics.h"
@@ -17,37 +16,45 @@ void Flatten(const std::vector<Vector>& elements, std::span<double> coordinates)
   for (const Vector& element : elements) out = std::ranges::copy(element, out).out;
 }
 
-std::vector<Vector3d> NaturalAngles(const rod::Strand& strand) {
-  std::vector<Vector3d> theta(strand.natural);
-  for (size_t Q = 0; Q < theta.size(); ++Q) theta[Q] *= strand.length[Q];
-  return theta;
+template <typename Vector>
+std::vector<Vector> Elements(std::span<const double> coordinates) {
+  constexpr int kEach = Vector::SizeAtCompileTime;
+  std::vector<Vector> elements(coordinates.size() / kEach);
+  for (size_t Q = 0; Q < elements.size(); ++Q) {
+    elements[Q] = Eigen::Map<const Vector>(&coordinates[kEach * Q]);
+  }
+  return elements;
+}
+
+// SolveRestShape of either kind of strand.
+template <typename Vector, typename Strand>
+rod::StaticsReport Solve(const Strand& strand, const math::Pose& root, const Vector3d& gravity,
+                         std::span<double> coordinates) {
+  std::vector<Vector> elements = Elements<Vector>(coordinates);
+  const rod::StaticsReport report = rod::SolveRestShape(strand, root, gravity, elements);
+  Flatten(elements, coordinates);
+  return report;
 }
 
 }  // namespace
 
-void SetNatural(const Guide& guide, std::span<double> coordinates) {
-  MANE_CHECK(static_cast<int>(coordinates.size()) == guide.coordinate_count());
+std::vector<double> NaturalShape(const Guide& guide) {
+  std::vector<double> coordinates(guide.coordinate_count());
   if (guide.wound) {
     Flatten(guide.wound->natural, coordinates);
-  } else {
-    Flatten(NaturalAngles(guide.strand), coordinates);
+    return coordinates;
   }
+  std::vector<Vector3d> theta = guide.strand.natural;
+  for (size_t Q = 0; Q < theta.size(); ++Q) theta[Q] *= guide.strand.length[Q];
+  Flatten(theta, coordinates);
+  return coordinates;
 }
 
 rod::StaticsReport SolveRest(const Guide& guide, const Vector3d& gravity,
                              std::span<double> coordinates) {
   MANE_CHECK(static_cast<int>(coordinates.size()) == guide.coordinate_count());
-  rod::StaticsReport report;
-  if (guide.wound) {
-    std::vector<rod::Vector4d> x = guide.wound->natural;
-    report = rod::SolveRestShape(*guide.wound, guide.root, gravity, x);
-    Flatten(x, coordinates);
-  } else {
-    std::vector<Vector3d> theta = NaturalAngles(guide.strand);
-    report = rod::SolveRestShape(guide.strand, guide.root, gravity, theta);
-    Flatten(theta, coordinates);
-  }
-  return report;
+  if (guide.wound) return Solve<rod::Vector4d>(*guide.wound, guide.root, gravity, coordinates);
+  return Solve<Vector3d>(guide.strand, guide.root, gravity, coordinates);
 }
 
 }  // namespace mane::groom

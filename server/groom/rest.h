@@ -3,21 +3,22 @@
 #include <Eigen/Core>
 
 #include <span>
+#include <vector>
 
 #include "groom/groom.h"
 #include "rod/statics.h"
 
 namespace mane::groom {
 
-/// Static equilibrium of one guide, reached from its natural shape (rod::SolveRestShape).
+/// The natural shape: angles l kappa^n of the elements, or natural unknowns of a wound guide [rad],
+/// (guide.coordinate_count()).
+[[nodiscard]] std::vector<double> NaturalShape(const Guide& guide);
+
+/// Static equilibrium of one guide (rod::SolveRestShape).
 ///
 /// @param gravity      [m/s^2], head frame.
-/// @param coordinates  out: element angles, or unknowns of a wound guide [rad],
-///                     (guide.coordinate_count()).
+/// @param coordinates  in: where to start; out: the equilibrium; as NaturalShape.
 rod::StaticsReport SolveRest(const Guide& guide, const Eigen::Vector3d& gravity,
                              std::span<double> coordinates);
-
-/// The natural shape: angles l kappa^n, or natural unknowns of a wound guide.
-void SetNatural(const Guide& guide, std::span<double> coordinates);
 
 }  // namespace mane::groom

@@ -12,45 +12,10 @@
 namespace mane::groom {
 namespace {
 
-using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr double kSumTolerance = 1e-6;   // Relative, of element lengths.
-constexpr double kNormTolerance = 1e-2;  // Of quaternions.
-constexpr double kUnitTolerance = 1e-14;
+constexpr double kSumTolerance = 1e-6;  // Relative, of element lengths.
 constexpr Range kCurvatureRange{-1e5, 1e5, "rad/m"};
-
-Result<Quaterniond> UnitQuaternion(const std::string& field, const Quaterniond& q) {
-  const double norm = q.norm();
-  if (!(std::abs(norm - 1) <= kNormTolerance)) {
-    return InvalidArgument(
-        field, fmt::format("{} is ({}, {}, {}, {}) of norm {}; the norm must be within 1 % of 1",
-                           field, q.x(), q.y(), q.z(), q.w(), norm));
-  }
-  return std::abs(q.squaredNorm() - 1) <= kUnitTolerance ? q : q.normalized();
-}
-
-Result<void> CheckScalars(const std::string& path, const GuideDescription& d) {
-  const struct {
-    const char* name;
-    double value;
-    Range range;
-  } fields[] = {
-      {"radius_1_m", d.radius_1_m, {1e-6, 1e-2, "m"}},
-      {"radius_2_m", d.radius_2_m, {1e-6, 1e-2, "m"}},
-      {"young_modulus_pa", d.young_modulus_pa, {1e4, 1e13, "Pa"}},
-      {"poisson_ratio", d.poisson_ratio, {-1, 0.5, "", true}},
-      {"density_kg_m3", d.density_kg_m3, {1, 1e5, "kg/m^3"}},
-      {"internal_friction", d.internal_friction, {0, 1, "kg m^3/s"}},
-      {"air_drag", d.air_drag, {0, 10, "kg/(m s)"}},
-  };
-  for (const auto& field : fields) {
-    if (!field.range.Contains(field.value)) {
-      return OutOfRange(path + field.name, field.value, field.range);
-    }
-  }
-  return {};
-}
 
 Result<std::vector<double>> EqualLengths(const std::string& path, const GuideDescription& d) {
   if (d.element_count < 1 || d.element_count > kMaxElementsPerGuide) {
@@ -129,6 +94,28 @@ std::vector<double> DescribeNatural(const std::vector<Vector3d>& natural, int k)
 
 }  // namespace
 
+Result<void> ValidateProperties(const std::string& path, const GuideDescription& d) {
+  const struct {
+    const char* name;
+    double value;
+    Range range;
+  } fields[] = {
+      {"radius_1_m", d.radius_1_m, {1e-6, 1e-2, "m"}},
+      {"radius_2_m", d.radius_2_m, {1e-6, 1e-2, "m"}},
+      {"young_modulus_pa", d.young_modulus_pa, {1e4, 1e13, "Pa"}},
+      {"poisson_ratio", d.poisson_ratio, {-1, 0.5, "", true}},
+      {"density_kg_m3", d.density_kg_m3, {1, 1e5, "kg/m^3"}},
+      {"internal_friction", d.internal_friction, {0, 1, "kg m^3/s"}},
+      {"air_drag", d.air_drag, {0, 10, "kg/(m s)"}},
+  };
+  for (const auto& field : fields) {
+    if (!field.range.Contains(field.value)) {
+      return OutOfRange(path + field.name, field.value, field.range);
+    }
+  }
+  return {};
+}
+
 Result<Guide> MakeGuide(const GuideDescription& d, int index) {
   const std::string path = fmt::format("guides[{}].", index);
   Guide guide;
@@ -142,7 +129,7 @@ Result<Guide> MakeGuide(const GuideDescription& d, int index) {
 
   auto lengths = ElementLengths(path, d);
   if (!lengths) return lengths.error();
-  if (auto scalars = CheckScalars(path, d); !scalars) return scalars.error();
+  if (auto scalars = ValidateProperties(path, d); !scalars) return scalars.error();
 
   rod::Strand& strand = guide.strand;
   strand.length = *std::move(lengths);
@@ -173,16 +160,17 @@ Result<Guide> MakeGuide(const GuideDescription& d, int index) {
 
 Result<void> CheckModel(const std::string& field, StrandModel model) {
   if (model == StrandModel::kSuperHelix || model == StrandModel::kWound) return {};
-  return InvalidArgument(field, fmt::format("{} is {}; it must be SUPER_HELIX (1) or WOUND (2)", field,
-                                            static_cast<int>(model) + 1));
+  return InvalidArgument(field, fmt::format("{} is {}; it must be SUPER_HELIX (1) or WOUND (2)",
+                                            field, static_cast<int>(model) + 1));
 }
 
 Result<void> MakeWound(int index, Guide* guide) {
   if (rod::NaturalTurns(guide->strand) == 0) {
     const std::string field = fmt::format("guides[{}].model", index);
     return InvalidArgument(field,
-                           field + " is WOUND, but an element has no natural curvature to wind by: "
-                                   "set natural_curvature_1 or 2 in all, or use SUPER_HELIX");
+                           field +
+                               " is WOUND, but an element has no natural curvature to wind by: "
+                               "set natural_curvature_1 or 2 in all, or use SUPER_HELIX");
   }
   guide->wound = rod::MakeWound(guide->strand);
   return {};

@@ -39,6 +39,11 @@ struct GuideDescription {
   StrandModel model = StrandModel::kSuperHelix;
 };
 
+/// INVALID_ARGUMENT for the first of section, material and damping that is out of its range, named
+/// as `path` followed by the field, such as `guides[3].` and `radius_1_m`.
+[[nodiscard]] Result<void> ValidateProperties(const std::string& path,
+                                              const GuideDescription& description);
+
 /// The guide that `description` says, its stiffness and linear density derived.
 ///
 /// Element lengths are taken as given, or are length_m / N. The root

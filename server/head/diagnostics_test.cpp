@@ -58,7 +58,14 @@ TEST(DiagnosticsTest, TheLargestAngleIsThatOfTheElementThatIsBentMost) {
   exec::WorkerPool pool(1);
   const HeadState state = AtRest(*groom, {});
   double largest = 0;
-  for (const auto& theta : Angles(*groom, state)) largest = std::max(largest, theta.norm());
+  const std::vector<double> coordinates = Coordinates(*groom, state);
+  for (int i = 0; i < groom->guide_count(); ++i) {
+    const int each = groom->guides[i].wound ? 4 : 3;
+    for (int k = groom->first_coordinate[i]; k < groom->first_coordinate[i + 1]; k += each) {
+      const auto element = Eigen::Map<const Eigen::VectorXd>(&coordinates[k], each);
+      largest = std::max(largest, element.norm());
+    }
+  }
   EXPECT_DOUBLE_EQ(Diagnose(*groom, state, {}, pool).largest_angle, largest);
 }
 

@@ -36,7 +36,7 @@ struct Scratch {
 };
 
 void EncodeBlockCoordinates(const groom::Groom& groom, const rod::Batch<float>::Block& block,
-                       const HeadState& state, std::span<std::byte> data, Scratch& scratch) {
+                            const HeadState& state, std::span<std::byte> data, Scratch& scratch) {
   for (int lane = 0; lane < block.count; ++lane) {
     const int guide = block.strands[lane];
     scratch.coordinates.resize(groom.guides[guide].coordinate_count());
@@ -54,8 +54,10 @@ void EncodeBlockPositions(const groom::Groom& groom, const rod::Batch<float>::Bl
   const size_t size = GuideSize(view, 0);
   scratch.positions.resize(static_cast<size_t>(3) * points);
   scratch.points.resize(points);
-  Kernels().Of(block.kind).sample(block.elements, groom.batch.constants(block), pose[0].lane,
-                   state.guides[block.state].lane, points, scratch.positions[0].lane);
+  Kernels()
+      .Of(block.kind)
+      .sample(block.elements, groom.batch.constants(block), pose[0].lane,
+              state.guides[block.state].lane, points, scratch.positions[0].lane);
   for (int lane = 0; lane < block.count; ++lane) {
     const rod::Row<float>* row = scratch.positions.data();
     for (Eigen::Vector3f& point : scratch.points) {

@@ -9,6 +9,7 @@
 
 #include "head/sample_groom.h"
 #include "rod/chain.h"
+#include "rod/wound_shape.h"
 #include "wire/frame_codec.h"
 #include "wire/reconstruct.h"
 
@@ -19,6 +20,28 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 
 constexpr int kPoints = 9;
+
+template <typename Vector>
+std::vector<Vector> Elements(const groom::Guide& guide, const double* coordinates) {
+  std::vector<Vector> elements(guide.strand.elements());
+  for (Vector& element : elements) {
+    element = Eigen::Map<const Vector>(coordinates);
+    coordinates += element.size();
+  }
+  return elements;
+}
+
+// The point of a guide at arc length s, from its coordinates.
+Vector3d OfPlain(const groom::Guide& guide, const math::Pose& root, const double* coordinates,
+                 double s) {
+  const auto theta = Elements<Vector3d>(guide, coordinates);
+  return rod::PointAt(guide.strand, root, theta, rod::Locate(guide.strand, s)).r;
+}
+Vector3d OfWound(const groom::Guide& guide, const math::Pose& root, const double* coordinates,
+                 double s) {
+  const auto x = Elements<rod::Vector4d>(guide, coordinates);
+  return rod::PointOnHair(*guide.wound, rod::WoundFrames(*guide.wound, root, x), x, s);
+}
 
 class FrameTest : public ::testing::Test {
  protected:
@@ -31,19 +54,15 @@ class FrameTest : public ::testing::Test {
 
   // Positions of all guides from the rods themselves.
   std::vector<Vector3d> Expected(Space space) const {
-    const std::vector<Vector3d> theta = Angles(*groom_, state_);
+    const std::vector<double> coordinates = Coordinates(*groom_, state_);
     std::vector<Vector3d> points;
     for (int i = 0; i < groom_->guide_count(); ++i) {
-      const rod::Strand& strand = groom_->guides[i].strand;
-      const math::Pose root =
-          space == Space::kHead ? groom_->guides[i].root : state_.pose * groom_->guides[i].root;
-      const size_t first = groom_->first_element[i];
+      const groom::Guide& guide = groom_->guides[i];
+      const math::Pose root = space == Space::kHead ? guide.root : state_.pose * guide.root;
+      const double* const own = &coordinates[groom_->first_coordinate[i]];
       for (int k = 0; k < kPoints; ++k) {
-        const double s = strand.TotalLength() * k / (kPoints - 1);
-        points.push_back(rod::PointAt(strand, root,
-                                      std::span(theta).subspan(first, strand.elements()),
-                                      rod::Locate(strand, s))
-                             .r);
+        const double s = guide.strand.TotalLength() * k / (kPoints - 1);
+        points.push_back(guide.wound ? OfWound(guide, root, own, s) : OfPlain(guide, root, own, s));
       }
     }
     return points;
@@ -98,10 +117,22 @@ TEST_F(FrameTest, GeneralizedCoordinatesRebuildTheStrands) {
   ASSERT_EQ(data.size(), FrameSize(*groom_, view));
   const std::vector<Vector3d> expected = Expected(Space::kWorld);
   for (int i = 0; i < groom_->guide_count(); ++i) {
-    std::vector<Vector3d> theta(5), points(kPoints);
-    wire::DecodeAngles(Guide(data, i, wire::AnglesSize(5)), theta);
-    wire::SamplePoints(state_.pose * groom_->guides[i].root, groom_->guides[i].strand.length, theta,
-                       points);
+    const groom::Guide& guide = groom_->guides[i];
+    const math::Pose root = state_.pose * guide.root;
+    std::vector<double> coordinates(guide.coordinate_count());
+    std::vector<Vector3d> points(kPoints);
+    wire::DecodeCoordinates(std::as_bytes(std::span(data))
+                                .subspan(wire::CoordinatesSize(groom_->first_coordinate[i]),
+                                         wire::CoordinatesSize(coordinates.size())),
+                            coordinates);
+    if (guide.wound) {
+      wire::SampleWoundPoints(root, guide.strand.length, guide.strand.natural,
+                              Elements<rod::Vector4d>(guide, coordinates.data()),
+                              std::span(points));
+    } else {
+      wire::SamplePoints(root, guide.strand.length, Elements<Vector3d>(guide, coordinates.data()),
+                         std::span(points));
+    }
     for (int k = 0; k < kPoints; ++k) {
       // Float angles of up to 10 rad are 5e-7 off, times a strand of 0.3 m, summed over elements.
       EXPECT_LT((points[k] - expected[i * kPoints + k]).norm(), 1e-6);

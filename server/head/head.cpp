@@ -117,10 +117,10 @@ void Reset(const groom::Groom& groom, HeadState* state) {
 std::vector<double> Coordinates(const groom::Groom& groom, const HeadState& state) {
   std::vector<double> coordinates(groom.coordinate_count());
   for (int guide = 0; guide < groom.guide_count(); ++guide) {
-    groom.batch.GetCoordinates(guide, state.guides,
-                               std::span(coordinates)
-                                   .subspan(groom.first_coordinate[guide],
-                                            groom.guides[guide].coordinate_count()));
+    groom.batch.GetCoordinates(
+        guide, state.guides,
+        std::span(coordinates)
+            .subspan(groom.first_coordinate[guide], groom.guides[guide].coordinate_count()));
   }
   return coordinates;
 }

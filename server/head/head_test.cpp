@@ -13,9 +13,10 @@
 #include <cmath>
 #include <cstring>
 
+#include "head/frame.h"
 #include "head/sample_groom.h"
-#include "rod/chain.h"
 #include "rod/scheme.h"
+#include "wire/frame_codec.h"
 
 namespace mane::head {
 namespace {
@@ -46,15 +47,20 @@ std::vector<Vector3d> Velocities(const groom::Groom& groom, const HeadState& sta
   for (int guide = 0; guide < groom.guide_count(); ++guide) {
     const size_t N = groom.guides[guide].strand.elements();
     std::vector<Vector3d> theta(N), rate(N), velocity(N * rod::kGaussPoints);
-    groom.batch.GetStrand(guide, state.guides, {theta, rate, velocity});
+    std::vector<rod::Vector4d> x(N), dx(N);
+    if (groom.guides[guide].wound) {
+      groom.batch.GetStrand(guide, state.guides, rod::WoundState{x, dx, velocity});
+    } else {
+      groom.batch.GetStrand(guide, state.guides, rod::StrandState{theta, rate, velocity});
+    }
     all.insert(all.end(), velocity.begin(), velocity.end());
   }
   return all;
 }
 
-double Farthest(const std::vector<Vector3d>& a, const std::vector<Vector3d>& b) {
+double Farthest(const std::vector<double>& a, const std::vector<double>& b) {
   double worst = 0;
-  for (size_t i = 0; i < a.size(); ++i) worst = std::max(worst, (a[i] - b[i]).norm());
+  for (size_t i = 0; i < a.size(); ++i) worst = std::max(worst, std::abs(a[i] - b[i]));
   return worst;
 }
 
@@ -84,7 +90,7 @@ TEST(HeadTest, TeleportKeepsShapesAndTurnsSpeedsWithTheHead) {
   const math::Pose target{{3, -1, 2}, math::FromRotationVector({1, 2, -0.5})};
   HeadState after = before;
   Teleport(*groom, target, &after);
-  EXPECT_EQ(Angles(*groom, after), Angles(*groom, before));
+  EXPECT_EQ(Coordinates(*groom, after), Coordinates(*groom, before));
   EXPECT_EQ(after.pose.p, target.p);
   const auto a = Velocities(*groom, before), b = Velocities(*groom, after);
   ASSERT_EQ(a.size(), b.size());
@@ -102,10 +108,10 @@ TEST(HeadTest, RestStaysAtRestAndResetBringsItBack) {
   HeadState state = rest;
   for (int i = 0; i < 120; ++i) Advance(*groom, {{}, 1 / 60.0, 1}, {}, &state, pool);
   // Angles of a few radians in float32, two seconds of roundings.
-  EXPECT_LT(Farthest(Angles(*groom, state), Angles(*groom, rest)), 1e-5);
+  EXPECT_LT(Farthest(Coordinates(*groom, state), Coordinates(*groom, rest)), 1e-5);
 
   HeadState shaken = Shake(*groom, rest, pool);
-  EXPECT_GT(Farthest(Angles(*groom, shaken), Angles(*groom, rest)), 0.01);
+  EXPECT_GT(Farthest(Coordinates(*groom, shaken), Coordinates(*groom, rest)), 0.01);
   Reset(*groom, &shaken);
   EXPECT_TRUE(SameBits(shaken, rest));
 }
@@ -118,7 +124,7 @@ TEST(HeadTest, SubstepsAreShorterMovements) {
   Advance(*groom, {to, 0.03, 2}, {}, &once, pool);
   Advance(*groom, {math::Interpolate(from, to, 0.5), 0.015, 1}, {}, &twice, pool);
   Advance(*groom, {to, 0.015, 1}, {}, &twice, pool);
-  EXPECT_LT(Farthest(Angles(*groom, once), Angles(*groom, twice)), 1e-12);
+  EXPECT_LT(Farthest(Coordinates(*groom, once), Coordinates(*groom, twice)), 1e-12);
 }
 
 TEST(HeadTest, LongMovementsAreCutIntoStepsOfASixtiethOfASecond) {
@@ -133,8 +139,8 @@ TEST(HeadTest, LongMovementsAreCutIntoStepsOfASixtiethOfASecond) {
   for (int i = 1; i <= 3; ++i) {
     Advance(*groom, {math::Interpolate(from, to, i / 3.0), 0.1, 1}, {}, &thrice, pool);
   }
-  EXPECT_LT(Farthest(Angles(*groom, whole), Angles(*groom, thrice)), 1e-12);
-  EXPECT_GT(Farthest(Angles(*groom, cut), Angles(*groom, thrice)), 1e-6);
+  EXPECT_LT(Farthest(Coordinates(*groom, whole), Coordinates(*groom, thrice)), 1e-12);
+  EXPECT_GT(Farthest(Coordinates(*groom, cut), Coordinates(*groom, thrice)), 1e-6);
 }
 
 TEST(HeadTest, AJumpFasterThanAnyHeadIsATeleport) {
@@ -146,7 +152,7 @@ TEST(HeadTest, AJumpFasterThanAnyHeadIsATeleport) {
   EXPECT_EQ(Advance(*groom, {far, 1 / 60.0, 1}, {}, &jumped, pool).repaired_guides, 0);
   Advance(*groom, {{}, 1 / 60.0, 1}, {}, &still, pool);
   EXPECT_EQ(jumped.pose.p, far.p);
-  EXPECT_LT(Farthest(Angles(*groom, jumped), Angles(*groom, still)), 1e-6);
+  EXPECT_LT(Farthest(Coordinates(*groom, jumped), Coordinates(*groom, still)), 1e-6);
 }
 
 TEST(HeadTest, NeitherOriginNorHeadingOfTheWorldMatters) {
@@ -160,7 +166,7 @@ TEST(HeadTest, NeitherOriginNorHeadingOfTheWorldMatters) {
     Advance(*groom, {gauge * pose, 1 / 60.0, 1}, {}, &b, pool);
   }
   // Roundings of float32, amplified by half a second of shaking.
-  EXPECT_LT(Farthest(Angles(*groom, a), Angles(*groom, b)), 1e-4);
+  EXPECT_LT(Farthest(Coordinates(*groom, a), Coordinates(*groom, b)), 1e-4);
 }
 
 TEST(HeadTest, WindBlowsHairAlong) {
@@ -171,15 +177,13 @@ TEST(HeadTest, WindBlowsHairAlong) {
   const auto mean_tip = [&](const Environment& environment) {
     HeadState state = AtRest(*groom, {});
     for (int i = 0; i < 120; ++i) Advance(*groom, {{}, 1 / 60.0, 1}, environment, &state, pool);
-    const std::vector<Vector3d> theta = Angles(*groom, state);
+    const View view{FrameFormat::kPositionsFloat32, Space::kHead, 2};
+    const std::string data = EncodeFrame(*groom, state, view, pool);
     Vector3d mean = Vector3d::Zero();
     for (int i = 0; i < groom->guide_count(); ++i) {
-      const size_t first = groom->first_element[i], N = groom->first_element[i + 1] - first;
-      mean += rod::ElementFrames(groom->guides[i].strand, groom->guides[i].root,
-                                 std::span(theta).subspan(first, N))
-                  .back()
-                  .r /
-              groom->guide_count();
+      std::vector<Eigen::Vector3f> points(2);
+      wire::DecodePositions(std::as_bytes(std::span(data)).subspan(i * 24, 24), points);
+      mean += points[1].cast<double>() / groom->guide_count();
     }
     return mean;
   };

@@ -28,6 +28,11 @@ std::shared_ptr<const groom::Groom> SampleGroom(int guides, int elements) {
     description.air_drag = 5e-6;
     description.natural_curvature_1 = {i % 2 == 0 ? 0.0 : 60.0};
     description.natural_twist = {i % 2 == 0 ? 0.0 : 15.0};
+    if (i % 4 == 3) {
+      description.natural_curvature_1 = {600};
+      description.natural_twist = {500};
+      description.model = groom::StrandModel::kWound;
+    }
     parts.guides.push_back(*groom::MakeGuide(description, i));
   }
   return *groom::Assemble(std::move(parts), {}, nullptr);

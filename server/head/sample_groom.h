@@ -7,7 +7,8 @@
 namespace mane::head {
 
 /// A small groom for tests: `guides` guides of `elements` elements, straight and curled by turns,
-/// of lengths from 0.1 to 0.3 m, on a ring around the head's vertical axis.
+/// every fourth a wound one, of lengths from 0.1 to 0.3 m, on a ring around the head's vertical
+/// axis.
 [[nodiscard]] std::shared_ptr<const groom::Groom> SampleGroom(int guides, int elements);
 
 }  // namespace mane::head

@@ -37,18 +37,18 @@ enum State : int {
 
 /// Rows of a wound element's constants (coil.md), in the place of a plain one's.
 enum WoundConstant : int {
-  kWinding = kNatural,       ///< W, turn of the natural coil [rad].
-  kRise,                     ///< cos(alpha)
-  kSlant,                    ///< sin(alpha)
-  kRadius,                   ///< Of the coil / l0.
-  kTwisting,                 ///< K of (u, u), of the bends, of (xi, xi) and of (u, xi), over
-  kBending,                  ///< rho S l0^4 [1/s^2].
-  kStretching,               ///< .
-  kCoupling,                 ///< .
-  kNaturalUnknowns,                       ///< x^n [rad] (4).
-  kPhaseCosine = kNaturalUnknowns + 4,              ///< Of the phase of the left end,
-  kPhaseSine,                ///< .
-  kConstantsPerWoundElement  ///< Rows of an element.
+  kWinding = kNatural,  ///< W, turn of the natural coil [rad].
+  kRise,                ///< cos(alpha)
+  kSlant,               ///< sin(alpha)
+  kRadius,              ///< Of the coil / l0.
+  kTwisting,            ///< K of (u, u), of the bends, of (xi, xi) and of (u, xi), over
+  kBending,             ///< rho S l0^4 [1/s^2].
+  kStretching,          ///< .
+  kCoupling,            ///< .
+  kNaturalUnknowns,     ///< x^n [rad] (4).
+  kPhaseCosine = kNaturalUnknowns + 4,  ///< Of the phase of the left end,
+  kPhaseSine,                           ///< .
+  kConstantsPerWoundElement             ///< Rows of an element.
 };
 
 /// Rows of a wound element's state.

@@ -16,6 +16,7 @@
 #include "rod/energy.h"
 #include "rod/statics.h"
 #include "rod/test_batches.h"
+#include "rod/test_motions.h"
 #include "rod/test_strands.h"
 
 namespace mane::rod {
@@ -42,20 +43,6 @@ Strand AnyHair(Random& random, int i) {
   return strand;
 }
 
-// Jumps of a metre, any turns, standing still, high-frequency shakes, in any order.
-math::Pose Hostile(Random& random, const math::Pose& now, int i) {
-  switch (i / 10 % 4) {
-    case 0:
-      return {random.Vector(1), random.Rotation()};
-    case 1:
-      return {now.p, math::FromRotationVector(3.1 * random.Direction()) * now.q};
-    case 2:
-      return now;
-    default:
-      return {now.p + random.Vector(0.1), math::FromRotationVector(random.Vector(0.5)) * now.q};
-  }
-}
-
 TYPED_TEST(BatchMotionTest, IsBoundedUnderHostileMotion) {
   using T = TypeParam;
   this->ForEveryIsa([&](const KernelTable<T>& kernels) {
@@ -70,7 +57,7 @@ TYPED_TEST(BatchMotionTest, IsBoundedUnderHostileMotion) {
     double fastest = 0;
     for (int i = 0; i < 120; ++i) {
       const double dt = i % 7 == 0 ? 0.1 : random.Uniform(1.0 / 240, 1.0 / 30);
-      const math::Pose next = Hostile(random, pose, i);
+      const math::Pose next = fixtures::Hostile(random, pose, i);
       Surroundings air;
       air.gravity = random.Vector(20);
       air.wind = i % 11 == 0 ? random.Vector(50) : Vector3d::Zero();

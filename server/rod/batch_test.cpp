@@ -266,15 +266,9 @@ TYPED_TEST(BatchTest, PositionsLieOnTheCentreline) {
         }
         packed.Pack();
         const math::Pose head = random.Pose();
-        std::array<Row<T>, layout::kPoseRows> pose;
-        SetPose<T>(head, 0, kLanes, pose);
-        const auto& block = packed.batch().blocks()[0];
-        std::vector<Row<T>> positions(3 * points);
-        kernels.sample(N, packed.batch().constants(block), pose[0].lane,
-                       packed.state()[block.state].lane, points, positions[0].lane);
+        const auto positions = packed.Sample(kernels, head, points);
         const double tolerance = std::is_same_v<T, float> ? 1e-6 : 1e-14;
-        for (int lane = 0; lane < kLanes; ++lane) {
-          const int i = block.strands[lane];
+        for (int i = 0; i < packed.size(); ++i) {
           const Strand& strand = packed.strand(i);
           const State state = packed.Get(i);
           for (int j = 0; j < points; ++j) {
@@ -282,8 +276,7 @@ TYPED_TEST(BatchTest, PositionsLieOnTheCentreline) {
             const Vector3d expected =
                 PointAt(strand, head * packed.root(i), state.theta, Locate(strand, s)).r;
             for (int k = 0; k < 3; ++k) {
-              ASSERT_NEAR(positions[3 * j + k].lane[lane], expected[k], tolerance)
-                  << "lane " << lane << " point " << j;
+              ASSERT_NEAR(positions[i][j][k], expected[k], tolerance) << i << " point " << j;
             }
           }
         }

@@ -58,8 +58,8 @@ double SquaredNorm(std::span<const V> vectors) {
 /// @param linearize   (Hessian&, unknowns): evaluates the energy there.
 /// @param x           in: where to start; out: the minimum [rad], (N).
 template <class Hessian, class Linearize>
-StaticsReport Descend(const Strand& strand, const Eigen::Vector3d& gravity, const Linearize& linearize,
-                      std::span<typename Hessian::Vector> x) {
+StaticsReport Descend(const Strand& strand, const Eigen::Vector3d& gravity,
+                      const Linearize& linearize, std::span<typename Hessian::Vector> x) {
   using Vector = typename Hessian::Vector;
   const size_t N = x.size();
   const double scale = MomentScale(strand, gravity);

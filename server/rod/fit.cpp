@@ -89,14 +89,14 @@ Fit FitElements(const SmoothCurve& curve, const Normalised& polyline, const Vect
 
 Fit FitPolyline(std::span<const Vector3d> points, const FitOptions& options) {
   MANE_CHECK(!points.empty());
-  MANE_CHECK(options.elements >= 1);
+  MANE_CHECK(1 <= options.fewest && options.fewest <= options.elements);
   const bool bounded = std::isfinite(options.bound);
   MANE_CHECK(options.proportions.empty() ||
              (!bounded && static_cast<int>(options.proportions.size()) == options.elements));
   const Normalised polyline = Normalise(points);
   Fit fit;
   if (polyline.points.size() < 2) {
-    fit = Straight(options, points[0], bounded ? 1 : options.elements);
+    fit = Straight(options, points[0], bounded ? options.fewest : options.elements);
   } else {
     const SmoothCurve curve(polyline.points, options.noise / polyline.size);
     const auto with = [&](int elements) {
@@ -107,8 +107,8 @@ Fit FitPolyline(std::span<const Vector3d> points, const FitOptions& options) {
     if (!bounded) {
       fit = with(options.elements);
     } else {
-      int missed = 0, tried = 1;
-      for (fit = with(1); !fit.bound_met && tried < options.elements;) {
+      int tried = options.fewest, missed = tried - 1;
+      for (fit = with(tried); !fit.bound_met && tried < options.elements;) {
         missed = tried;
         tried = std::min(2 * tried, options.elements);
         fit = with(tried);

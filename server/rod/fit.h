@@ -16,8 +16,9 @@ namespace mane::rod {
 struct FitOptions {
   int elements = 10;  ///< N, or the most that may be used where `bound` is given; >= 1.
   /// Largest distance allowed [m]. Where given, the fewest elements that keep within it are sought,
-  /// by doubling and halving: one fewer was tried and missed it.
+  /// by doubling and halving, from `fewest` on: one fewer was tried and missed it.
   double bound = std::numeric_limits<double>::infinity();
+  int fewest = 1;  ///< Elements that a search for `bound` begins with, in [1, elements].
   /// Element lengths up to a common factor, (elements), positive; empty: equal lengths. Not with a
   /// bound.
   std::vector<double> proportions = {};

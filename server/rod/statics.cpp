@@ -19,8 +19,7 @@ StaticsReport SolveRestShape(const Strand& strand, const math::Pose& clamp, cons
   const auto linearize = [&](PotentialHessian& hessian, std::span<const Vector3d> at) {
     hessian.Linearize(strand, clamp, gravity, at);
   };
-  return descent::Descend<PotentialHessian>(strand, gravity, linearize,
-                                            theta);
+  return descent::Descend<PotentialHessian>(strand, gravity, linearize, theta);
 }
 
 }  // namespace mane::rod

@@ -43,4 +43,19 @@ inline math::Pose Spin(int i, double) {  // Nearly half a turn every step, about
   return {{0, 0, 0}, q};
 }
 
+/// Jumps of a metre, any turns, standing still, high-frequency shakes, in any order: the pose after
+/// `now`.
+inline math::Pose Hostile(Random& random, const math::Pose& now, int i) {
+  switch (i / 10 % 4) {
+    case 0:
+      return {random.Vector(1), random.Rotation()};
+    case 1:
+      return {now.p, math::FromRotationVector(3.1 * random.Direction()) * now.q};
+    case 2:
+      return now;
+    default:
+      return {now.p + random.Vector(0.1), math::FromRotationVector(random.Vector(0.5)) * now.q};
+  }
+}
+
 }  // namespace mane::rod::fixtures

@@ -135,16 +135,20 @@ void FromEllipsoid(const groom::Ellipsoid& ellipsoid, v1::EllipsoidScalp* messag
   message->set_cap_angle(ellipsoid.cap_angle);
 }
 
-Result<groom::Generation> ToGeneration(const v1::GuideGeneration& message) {
-  if (message.hair_type() <= v1::HAIR_TYPE_UNSPECIFIED ||
-      message.hair_type() > v1::HAIR_TYPE_AFRICAN_FUZZY) {
-    return InvalidArgument("header.generate.hair_type",
-                           fmt::format("header.generate.hair_type is {}; it must be one of the "
-                                       "HairType presets, 1 to 4",
-                                       static_cast<int>(message.hair_type())));
+Result<groom::HairType> ToHairType(v1::HairType message, const std::string& field) {
+  if (message <= v1::HAIR_TYPE_UNSPECIFIED || message > v1::HAIR_TYPE_AFRICAN_FUZZY) {
+    return InvalidArgument(
+        field, fmt::format("{} is {}; it must be one of the HairType presets, 1 to 4", field,
+                           static_cast<int>(message)));
   }
+  return static_cast<groom::HairType>(message);
+}
+
+Result<groom::Generation> ToGeneration(const v1::GuideGeneration& message) {
+  const auto hair_type = ToHairType(message.hair_type(), "header.generate.hair_type");
+  if (!hair_type) return hair_type.error();
   groom::Generation generation;
-  generation.hair_type = static_cast<groom::HairType>(message.hair_type());
+  generation.hair_type = *hair_type;
   generation.guide_count = message.guide_count();
   generation.length_m = message.length_m();
   generation.element_count = message.element_count();
@@ -167,6 +171,9 @@ void FromRecord(const storage::GroomRecord& record, v1::Groom* message) {
   message->set_seed(record.seed);
   message->set_etag(record.etag);
   message->set_has_scalp(record.has_scalp);
+  if (!record.import_summary.empty()) {
+    message->mutable_import_summary()->ParseFromString(record.import_summary);
+  }
 }
 
 }  // namespace mane::rpc

@@ -24,6 +24,8 @@ void FromMesh(const groom::TriangleMesh& mesh, v1::TriangleMesh* message);
 [[nodiscard]] groom::Ellipsoid ToEllipsoid(const v1::EllipsoidScalp& message);
 void FromEllipsoid(const groom::Ellipsoid& ellipsoid, v1::EllipsoidScalp* message);
 
+/// A preset; kInvalidArgument for any other number.
+Result<groom::HairType> ToHairType(v1::HairType message, const std::string& field);
 Result<groom::Generation> ToGeneration(const v1::GuideGeneration& message);
 
 /// The description of a stored groom.

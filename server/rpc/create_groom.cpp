@@ -84,7 +84,7 @@ class Uploads::Call final : public grpc::ServerReadReactor<grpc::ByteBuffer>,
 
   void Complete() {
     if (cancelled_) return End(grpc::Status::CANCELLED);
-    const auto record = upload_.Finish();
+    const auto record = upload_.Finish(cancelled_);
     if (!record) return End(ToStatus(record.error()));
     v1::Groom groom;
     FromRecord(*record, &groom);

@@ -21,8 +21,10 @@ int64_t NowNanoseconds() {
       .count();
 }
 
-std::string EncodeContent(const groom::Groom& groom) {
+std::string EncodeContent(const groom::Groom& groom,
+                          const std::optional<v1::ImportReport>& import_report) {
   StoredGroom stored;
+  if (import_report) *stored.mutable_import_report() = *import_report;
   for (const groom::Guide& guide : groom.guides) {
     FromDescription(groom::Describe(guide), stored.add_guides());
   }
@@ -83,21 +85,47 @@ Result<storage::GroomRecord> GroomLibrary::Create(Draft draft) {
   record.has_scalp = !std::holds_alternative<std::monostate>(g.scalp);
   record.etag = groom::Digest(g);
   record.create_time_ns = NowNanoseconds();
+  if (draft.import_report) {
+    record.import_summary = draft.import_report->summary().SerializeAsString();
+  }
   const auto* rest = reinterpret_cast<const char*>(g.rest.data());
-  return store_.Put(
-      record, {EncodeContent(g), std::string(rest, g.rest.size() * sizeof(double))});
+  return store_.Put(record, {EncodeContent(g, draft.import_report),
+                             std::string(rest, g.rest.size() * sizeof(double))});
 }
 
-Result<std::shared_ptr<const groom::Groom>> GroomLibrary::Load(const std::string& name,
-                                                               const std::string& field) {
+Result<storage::GroomRecord> GroomLibrary::Find(const std::string& name, const std::string& field) {
   const auto id = ParseName(name, "grooms", field);
   if (!id) return id.error();
-  const auto record = store_.Get(*id);
+  auto record = store_.Get(*id);
   if (!record) {
     Error error = record.error();
     if (error.code == ErrorCode::kNotFound) error.field = field;
     return error;
   }
+  return record;
+}
+
+Result<v1::ImportReport> GroomLibrary::LoadImportReport(const std::string& name,
+                                                        const std::string& field) {
+  const auto record = Find(name, field);
+  if (!record) return record.error();
+  if (record->import_summary.empty()) {
+    return Error{ErrorCode::kFailedPrecondition,
+                 fmt::format("{} was not made from strands; it has no import report", name), field};
+  }
+  const auto content = store_.GetContent(record->id);
+  if (!content) return content.error();
+  StoredGroom stored;
+  if (!stored.ParseFromString(content->groom) || !stored.has_import_report()) {
+    return Damaged(record->id);
+  }
+  return std::move(*stored.mutable_import_report());
+}
+
+Result<std::shared_ptr<const groom::Groom>> GroomLibrary::Load(const std::string& name,
+                                                               const std::string& field) {
+  const auto record = Find(name, field);
+  if (!record) return record.error();
   const std::string key = fmt::format("{} {} {}", record->id, record->etag, record->create_time_ns);
   {
     std::lock_guard lock(mutex_);
@@ -122,7 +150,8 @@ Result<std::shared_ptr<const groom::Groom>> GroomLibrary::Read(const storage::Gr
   if (!parts) return parts.error();
   // Limits are for uploads: what is stored stays usable when they are lowered.
   constexpr int kNone = std::numeric_limits<int>::max();
-  return groom::Assemble(*std::move(parts), {kNone, kNone, kNoWork, kNone, kNone}, &pool_);
+  return groom::Assemble(*std::move(parts), {kNone, kNone, kNoWork, kNone, kNoWork, kNone, kNone},
+                         &pool_);
 }
 
 }  // namespace mane::rpc

@@ -3,6 +3,7 @@
 #include <list>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -10,6 +11,7 @@
 #include "exec/worker_pool.h"
 #include "groom/assemble.h"
 #include "groom/limits.h"
+#include "mane/v1/groom.pb.h"
 #include "storage/groom_store.h"
 
 namespace mane::rpc {
@@ -28,12 +30,14 @@ class GroomLibrary {
 
   [[nodiscard]] storage::GroomStore& store() { return store_; }
   [[nodiscard]] const groom::Limits& limits() const { return limits_; }
+  [[nodiscard]] exec::WorkerPool& pool() { return pool_; }
 
   /// What an upload leaves to be stored.
   struct Draft {
     std::string id;  ///< Empty to choose one.
     std::string request_id;
     groom::Parts parts;
+    std::optional<v1::ImportReport> import_report;  ///< Of a groom made from strands.
   };
   /// Solves the rest shape and stores both; on disk when it returns.
   Result<storage::GroomRecord> Create(Draft draft);
@@ -42,10 +46,16 @@ class GroomLibrary {
   Result<std::shared_ptr<const groom::Groom>> Load(const std::string& name,
                                                    const std::string& field);
 
+  /// The report of the groom called `name`; errors name `field`. kNotFound if there is no groom,
+  /// kFailedPrecondition if it was not made from strands.
+  Result<v1::ImportReport> LoadImportReport(const std::string& name, const std::string& field);
+
  private:
   // Grooms kept beyond their last head; the most recent first.
   static constexpr size_t kKept = 16;
 
+  // The description of the groom called `name`; errors name `field`.
+  Result<storage::GroomRecord> Find(const std::string& name, const std::string& field);
   Result<std::shared_ptr<const groom::Groom>> Read(const storage::GroomRecord& record);
 
   storage::GroomStore& store_;

@@ -142,6 +142,17 @@ grpc::ServerWriteReactor<v1::ExportGroomResponse>* GroomService::ExportGroom(
   return ChunkStream<v1::ExportGroomResponse>::Start(requests_, [parts] { return parts->Next(); });
 }
 
+grpc::ServerUnaryReactor* GroomService::GetImportReport(grpc::CallbackServerContext* context,
+                                                        const v1::GetImportReportRequest* request,
+                                                        v1::ImportReport* response) {
+  return Answer(context, requests_, [this, request, response]() -> Result<void> {
+    auto report = library_.LoadImportReport(request->name(), "name");
+    if (!report) return report.error();
+    *response = *std::move(report);
+    return {};
+  });
+}
+
 grpc::ServerUnaryReactor* GroomService::ComputeRestShape(grpc::CallbackServerContext* context,
                                                          const v1::ComputeRestShapeRequest* request,
                                                          v1::ComputeRestShapeResponse* response) {

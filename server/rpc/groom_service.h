@@ -13,8 +13,9 @@ using GroomServiceBase = v1::GroomService::WithRawCallbackMethod_CreateGroom<
     v1::GroomService::WithCallbackMethod_GetGroom<v1::GroomService::WithCallbackMethod_ListGrooms<
         v1::GroomService::WithCallbackMethod_DeleteGroom<
             v1::GroomService::WithCallbackMethod_ExportGroom<
-                v1::GroomService::WithCallbackMethod_ComputeRestShape<
-                    v1::GroomService::Service>>>>>>;
+                v1::GroomService::WithCallbackMethod_GetImportReport<
+                    v1::GroomService::WithCallbackMethod_ComputeRestShape<
+                        v1::GroomService::Service>>>>>>>;
 
 /// mane.v1.GroomService over a GroomLibrary. Quick work runs on `requests`; uploads and rest
 /// shapes, which may take a minute, on `solving`.
@@ -40,6 +41,9 @@ class GroomService final : public GroomServiceBase {
                                         google::protobuf::Empty* response) override;
   grpc::ServerWriteReactor<v1::ExportGroomResponse>* ExportGroom(
       grpc::CallbackServerContext* context, const v1::ExportGroomRequest* request) override;
+  grpc::ServerUnaryReactor* GetImportReport(grpc::CallbackServerContext* context,
+                                            const v1::GetImportReportRequest* request,
+                                            v1::ImportReport* response) override;
   grpc::ServerUnaryReactor* ComputeRestShape(grpc::CallbackServerContext* context,
                                              const v1::ComputeRestShapeRequest* request,
                                              v1::ComputeRestShapeResponse* response) override;

@@ -5,6 +5,7 @@
 #include "groom/generate.h"
 #include "groom/range.h"
 #include "rpc/convert_groom.h"
+#include "rpc/convert_import.h"
 #include "rpc/names.h"
 
 namespace mane::rpc {
@@ -29,6 +30,9 @@ Result<bool> GroomUpload::Add(const v1::CreateGroomRequest& request) {
     case v1::CreateGroomRequest::kGuides:
       added = AddGuides(request.guides());
       break;
+    case v1::CreateGroomRequest::kStrands:
+      added = AddStrands(request.strands());
+      break;
     case v1::CreateGroomRequest::kScalpMesh:
       added = AddMesh(request.scalp_mesh());
       break;
@@ -52,12 +56,21 @@ Result<void> GroomUpload::AddHeader(const v1::CreateGroomHeader& header) {
       !ok) {
     return ok;
   }
+  if (header.has_import_options()) {
+    auto options = ToImportOptions(header.import_options());
+    if (!options) return options.error();
+    if (auto ok = groom::ValidateImportOptions(*options); !ok) return ok;
+    import_options_ = *std::move(options);
+  }
   return CheckText(header.request_id(), kMaxRequestId, "header.request_id");
 }
 
 Result<void> GroomUpload::AddGuides(const v1::GuideBatch& batch) {
   if (header_.has_generate()) {
     return InvalidArgument("guides", "guides were sent although header.generate makes them");
+  }
+  if (header_.has_import_options()) {
+    return InvalidArgument("guides", "guides were sent although header.import_options is set");
   }
   const size_t limit = static_cast<size_t>(library_.limits().max_guides);
   for (const v1::Guide& message : batch.guides()) {
@@ -72,6 +85,36 @@ Result<void> GroomUpload::AddGuides(const v1::GuideBatch& batch) {
       return groom::TooMany("guides", "elements", element_count_, library_.limits().max_elements);
     }
     guides_.push_back(*std::move(guide));
+  }
+  return {};
+}
+
+Result<void> GroomUpload::AddStrands(const v1::StrandBatch& batch) {
+  if (!header_.has_import_options()) {
+    return InvalidArgument("strands", "strands were sent, but header.import_options is unset");
+  }
+  const groom::Limits& limits = library_.limits();
+  for (const v1::ImportedStrand& message : batch.strands()) {
+    if (strands_.size() == static_cast<size_t>(limits.max_guides)) {
+      return groom::TooMany("strands", "strands", long{limits.max_guides} + 1, limits.max_guides);
+    }
+    const int index = static_cast<int>(strands_.size());
+    auto strand = ToImportedStrand(message, index);
+    if (!strand) return strand.error();
+    if (auto ok = groom::ValidateStrand(*strand, import_options_, index); !ok) return ok;
+    point_count_ += std::ssize(strand->points);
+    if (point_count_ > limits.max_points) {
+      return groom::TooMany("strands", "points", point_count_, limits.max_points);
+    }
+    import_cost_ += groom::ImportCost(strand->points.size(), import_options_);
+    if (import_cost_ > limits.max_import_cost_s) {
+      return Error{ErrorCode::kResourceExhausted,
+                   fmt::format("the first {} strands would take {:.0f} s to import; at most {:.0f} "
+                               "s are allowed: use fewer elements a strand, or fewer strands",
+                               index + 1, import_cost_, limits.max_import_cost_s),
+                   "strands"};
+    }
+    strands_.push_back(*std::move(strand));
   }
   return {};
 }
@@ -94,20 +137,33 @@ Result<void> GroomUpload::AddMesh(const v1::TriangleMesh& piece) {
   return {};
 }
 
-Result<storage::GroomRecord> GroomUpload::Finish() {
+Result<storage::GroomRecord> GroomUpload::Finish(const std::atomic<bool>& cancelled) {
   if (!header_.request_id().empty()) {
     const auto earlier = library_.store().FindByRequestId(header_.request_id());
     if (!earlier) return earlier.error();
     if (earlier->has_value()) return **earlier;
   }
-  GroomLibrary::Draft draft{header_.groom_id(), header_.request_id(), {}};
+  GroomLibrary::Draft draft{header_.groom_id(), header_.request_id(), {}, {}};
   draft.parts.display_name = header_.display_name();
   if (header_.has_ellipsoid()) {
     draft.parts.scalp = ToEllipsoid(header_.ellipsoid());
   } else if (!mesh_.vertices.empty() || !mesh_.triangles.empty()) {
     draft.parts.scalp = std::move(mesh_);
   }
-  if (header_.has_generate()) {
+  if (header_.has_generate() && header_.has_import_options()) {
+    return InvalidArgument("header.import_options",
+                           "header.import_options is set although header.generate makes guides");
+  }
+  if (header_.has_import_options()) {
+    if (strands_.empty()) {
+      return InvalidArgument("strands", "strands is empty; header.import_options is set for them");
+    }
+    auto import = groom::ImportStrands(strands_, import_options_, library_.pool(), cancelled);
+    if (!import) return import.error();
+    FromImport(import_options_, import->outcomes, &draft.import_report.emplace());
+    draft.parts.guides = std::move(import->guides);
+    draft.parts.rest = std::move(import->rest);
+  } else if (header_.has_generate()) {
     const auto generation = ToGeneration(header_.generate());
     if (!generation) return generation.error();
     auto guides = groom::Generate(draft.parts.scalp, *generation, library_.limits());

@@ -1,8 +1,10 @@
 #pragma once
 
-#include <string>
+#include <atomic>
+#include <vector>
 
 #include "base/result.h"
+#include "groom/import.h"
 #include "mane/v1/groom.pb.h"
 #include "rpc/groom_library.h"
 
@@ -16,12 +18,14 @@ class GroomUpload {
   /// Takes the next message; true when it was `commit`, the last. kInvalidArgument or
   /// kResourceExhausted names the field.
   Result<bool> Add(const v1::CreateGroomRequest& request);
-  /// All messages are in: generates guides if asked to, and creates the groom.
-  Result<storage::GroomRecord> Finish();
+  /// All messages are in: generates or imports guides if asked to, and creates the groom.
+  /// kCancelled soon after `cancelled` is set while strands are imported.
+  Result<storage::GroomRecord> Finish(const std::atomic<bool>& cancelled);
 
  private:
   Result<void> AddHeader(const v1::CreateGroomHeader& header);
   Result<void> AddGuides(const v1::GuideBatch& batch);
+  Result<void> AddStrands(const v1::StrandBatch& batch);
   Result<void> AddMesh(const v1::TriangleMesh& piece);
 
   GroomLibrary& library_;
@@ -30,6 +34,10 @@ class GroomUpload {
   v1::CreateGroomHeader header_;
   groom::TriangleMesh mesh_;
   std::vector<groom::Guide> guides_;
+  groom::ImportOptions import_options_;
+  std::vector<groom::ImportedStrand> strands_;
+  long point_count_ = 0;
+  double import_cost_ = 0;  // [s]
 };
 
 }  // namespace mane::rpc

@@ -1,11 +1,11 @@
 #include "rpc/rest_shape.h"
 
+#include <algorithm>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "groom/rest.h"
-#include "rod/wound_shape.h"
 #include "rpc/convert_animation.h"
 #include "rpc/limits.h"
 #include "wire/reconstruct.h"
@@ -15,6 +15,8 @@ namespace {
 
 using Eigen::Vector3d;
 
+const Vector3d kStandardGravity(0, -9.81, 0);
+constexpr double kSameGravity = 1e-9;  // m/s^2
 constexpr int kDefaultPoints = 16;
 constexpr double kMaxGravity = 1000;
 constexpr size_t kMaxAnswer = 64 << 20;
@@ -39,18 +41,14 @@ void SamplePoints(const groom::Guide& guide, std::span<const double> coordinates
     return;
   }
   const auto x = elements(static_cast<rod::Vector4d*>(nullptr));
-  const std::vector<rod::WoundFrame> frames = rod::WoundFrames(*guide.wound, guide.root, x);
-  const double spacing = guide.strand.TotalLength() / static_cast<double>(points.size() - 1);
-  for (size_t i = 0; i < points.size(); ++i) {
-    points[i] = rod::PointOnHair(*guide.wound, frames, x, static_cast<double>(i) * spacing);
-  }
+  wire::SampleWoundPoints(guide.root, guide.strand.length, guide.strand.natural, x, points);
 }
 
 }  // namespace
 
 Result<void> ComputeRest(const groom::Groom& groom, const v1::ComputeRestShapeRequest& request,
                          exec::WorkerPool& pool, v1::ComputeRestShapeResponse* response) {
-  Vector3d gravity(0, -9.81, 0);
+  Vector3d gravity = kStandardGravity;
   if (request.has_gravity()) {
     const auto given = ToVector(request.gravity(), "gravity", kMaxGravity);
     if (!given) return given.error();
@@ -61,6 +59,8 @@ Result<void> ComputeRest(const groom::Groom& groom, const v1::ComputeRestShapeRe
     if (!head) return head.error();
     gravity = head->conjugate() * gravity;  // The solver works in the head frame.
   }
+  // Of several equilibria the one in which heads start: that of an import is its strands' shape.
+  const bool standard = (gravity - kStandardGravity).norm() <= kSameGravity;
   int points = kDefaultPoints;
   if (request.points_per_guide() != 0) {
     const auto ok = CheckRange("points_per_guide", request.points_per_guide(), 2, 256);
@@ -83,6 +83,9 @@ Result<void> ComputeRest(const groom::Groom& groom, const v1::ComputeRestShapeRe
     const groom::Guide& description = groom.guides[guide];
     const auto rest = std::span(curvatures)
                           .subspan(groom.first_coordinate[guide], description.coordinate_count());
+    // In standard gravity from where heads start: an import rests in its strands' shape.
+    const std::vector<double> natural = groom::NaturalShape(description);
+    std::ranges::copy(standard ? groom.rest_of(guide) : natural, rest.begin());
     residuals[guide] = groom::SolveRest(description, gravity, rest).residual;
     SamplePoints(description, rest, std::span(positions).subspan(size_t(guide) * points, points));
     const std::vector<double>& length = description.strand.length;

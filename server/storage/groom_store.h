@@ -27,6 +27,7 @@ struct GroomRecord {
   bool has_scalp = false;
   std::string etag;            ///< Digest of the content.
   int64_t create_time_ns = 0;  ///< Since the Unix epoch.
+  std::string import_summary;  ///< Bytes; empty for a groom that was not imported.
 
   bool operator==(const GroomRecord&) const = default;
 };

@@ -29,6 +29,7 @@ GroomRecord MakeRecord(const std::string& id, const std::string& request_id = ""
   record.has_scalp = true;
   record.etag = "d1ce" + id;
   record.create_time_ns = 1'700'000'000'123'456'789;
+  record.import_summary = std::string("sum\0mary", 8);
   return record;
 }
 
@@ -64,6 +65,23 @@ TEST_F(GroomStoreTest, GroomComesBackWholeAfterReopening) {
     EXPECT_EQ(*content, content_);
     Reopen();
   }
+}
+
+TEST_F(GroomStoreTest, GroomsFromBeforeImportsStayAndHaveNoSummary) {
+  GroomRecord record = MakeRecord("old");
+  MANE_ASSERT_OK(store_->Put(record, content_));
+  {
+    auto database = Database::Open(folder_.DatabasePath());
+    MANE_ASSERT_OK(database);
+    MANE_ASSERT_OK(
+        database->RunScript("ALTER TABLE grooms DROP COLUMN import_summary;"
+                            "DELETE FROM schema_migrations WHERE version >= 2;"));
+  }
+  Reopen();
+  record.import_summary.clear();
+  const auto got = store_->Get("old");
+  MANE_ASSERT_OK(got);
+  EXPECT_EQ(*got, record);
 }
 
 TEST_F(GroomStoreTest, TakenIdIsRefusedAndTheFirstGroomStays) {

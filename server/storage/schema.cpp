@@ -63,6 +63,9 @@ constexpr std::array kMigrations = {
         PRIMARY KEY (sequence, chunk)
       );
     )sql",
+    R"sql(
+      ALTER TABLE grooms ADD COLUMN import_summary BLOB NOT NULL DEFAULT x'';
+    )sql",
 };
 
 Result<int64_t> ReadInteger(Database& database, std::string_view sql) {

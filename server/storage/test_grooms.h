@@ -41,6 +41,7 @@ inline GroomRecord TestGroom(uint64_t number, const GroomContent& content) {
   record.longest_guide_m = 1e-3 * static_cast<double>(number);
   record.etag = fmt::format("{:016x}{:016x}", Digest(content.groom), Digest(content.rest));
   record.create_time_ns = static_cast<int64_t>(number);
+  if (number % 2 == 1) record.import_summary = std::string("\0summary", 8);
   return record;
 }
 

@@ -38,8 +38,9 @@ class Client {
   Client& operator=(Client&&) noexcept;
   ~Client();
 
-  /// Uploads or generates a groom; when it returns, the groom is validated and on the server's
-  /// disk. kInvalidArgument names the field (`guides[12].length_m`).
+  /// Uploads, imports or generates a groom; when it returns, the groom is validated and on the
+  /// server's disk. kInvalidArgument names the field (`guides[12].length_m`). An import takes 10 to
+  /// 100 ms a strand, some times that with an error bound; `call_timeout` is to allow for it.
   Result<GroomInfo> CreateGroom(const GroomUpload& upload);
   /// @param name  `grooms/{groom}`, here and below.
   Result<GroomInfo> GetGroom(const std::string& name);
@@ -47,6 +48,8 @@ class Client {
   Result<std::vector<GroomInfo>> ListGrooms();
   /// Heads that animate the groom go on with their copy.
   Result<void> DeleteGroom(const std::string& name);
+  /// kFailedPrecondition if the groom was not made from strands.
+  Result<ImportReport> GetImportReport(const std::string& name);
   Result<RestShape> ComputeRestShape(const std::string& name, const RestShapeOptions& options = {});
 
   /// Starts to animate a head and returns at once, in HeadState::kConnecting.

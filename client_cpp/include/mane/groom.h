@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "mane/geometry.h"
+#include "mane/strands.h"
 
 namespace mane::inline client {
 
@@ -97,13 +98,14 @@ struct GuideGeneration {
   StrandModel model = StrandModel::kUnspecified;
 };
 
-/// A new groom: a scalp if there is one, and guides or the wish to have them generated on it.
+/// A new groom: a scalp if there is one, and guides, strands to make them of, or the wish to have
+/// them generated on the scalp.
 struct GroomUpload {
   std::string groom_id;      ///< Last part of the name; empty lets the server choose.
   std::string display_name;  ///< Free text, at most 200 bytes.
   std::string request_id;    ///< Any unique string of at most 64 bytes; makes a retry safe.
   std::variant<std::monostate, EllipsoidScalp, TriangleMesh> scalp;
-  std::variant<std::vector<Guide>, GuideGeneration> guides;
+  std::variant<std::vector<Guide>, GuideGeneration, StrandImport> guides;
 };
 
 /// What the server tells about a stored groom.
@@ -118,6 +120,7 @@ struct GroomInfo {
   std::uint64_t seed = 0;
   std::string etag;  ///< Digest of the content: equal content, equal etag.
   bool has_scalp = false;
+  std::optional<ImportSummary> import_summary;  ///< Of a groom made from strands.
 };
 
 /// How the head is held for a rest shape.

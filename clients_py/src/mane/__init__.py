@@ -40,6 +40,7 @@ from mane.jobs import Job, JobState
 from mane.mesh import Mesh
 from mane.motion import Motion
 from mane.pose import Environment, Pose
+from mane.strands import HairProperties, ImportOptions, ImportReport, ImportSummary, Strand
 from mane.stream import Notice, NoticeCode, Pacing
 
 __all__ = [
@@ -59,7 +60,11 @@ __all__ = [
     "Groom",
     "Guide",
     "GuideGeneration",
+    "HairProperties",
     "HairType",
+    "ImportOptions",
+    "ImportReport",
+    "ImportSummary",
     "Internal",
     "InvalidArgument",
     "Job",
@@ -79,6 +84,7 @@ __all__ = [
     "RestShape",
     "Space",
     "Status",
+    "Strand",
     "StrandModel",
     "Unauthenticated",
     "Unavailable",

@@ -17,8 +17,9 @@ from contextlib import asynccontextmanager
 import grpc
 from grpc import aio
 from grpc_health.v1 import health_pb2, health_pb2_grpc
+from numpy.typing import ArrayLike
 
-from mane import channel, jobs, messages, stream
+from mane import channel, jobs, messages, strand_messages, stream
 from mane import client as blocking
 from mane.aio_heads import Head, LockstepHead, RealtimeHead, open_head
 from mane.client import Status
@@ -29,6 +30,7 @@ from mane.jobs import Job
 from mane.mesh import Mesh
 from mane.motion import Motion
 from mane.pose import Environment
+from mane.strands import ImportOptions, ImportReport, Strand
 from mane.stream import Pacing
 from mane.v1 import (
     animation_pb2,
@@ -89,6 +91,8 @@ class Client:
         self,
         guides: Iterable[Guide] = (),
         *,
+        strands: Iterable[Strand | ArrayLike] = (),
+        import_options: ImportOptions | None = None,
         scalp: Mesh | Ellipsoid | None = None,
         generate: GuideGeneration | None = None,
         groom_id: str = "",
@@ -98,11 +102,18 @@ class Client:
         return await asyncio.to_thread(
             self._blocking.create_groom,
             guides,
+            strands=strands,
+            import_options=import_options,
             scalp=scalp,
             generate=generate,
             groom_id=groom_id,
             display_name=display_name,
         )
+
+    async def import_report(self, groom: Groom | str) -> ImportReport:
+        """As `mane.Client.import_report`."""
+        request = messages.of_groom(groom_pb2.GetImportReportRequest, groom)
+        return strand_messages.from_report(await self._call(self._grooms.GetImportReport, request))
 
     async def get_groom(self, groom: Groom | str) -> Groom:
         """As `mane.Client.get_groom`."""

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from mane import mesh
+from mane import cli_import, mesh
 from mane.client import Client
 from mane.convert import UNITS_M
 from mane.errors import InvalidArgument
@@ -18,6 +18,10 @@ from mane.progress import listing, out, waiting
 app = typer.Typer(
     no_args_is_help=True, rich_markup_mode="markdown", help="Make and look after hair."
 )
+
+
+app.command("import")(cli_import.import_)
+app.command("report")(cli_import.report)
 
 
 @app.command()
@@ -158,4 +162,6 @@ def delete(
 
 
 def _hair(groom: Groom) -> str:
+    if groom.import_summary:
+        return "imported"
     return str(groom.hair_type) if groom.hair_type else "uploaded"

@@ -11,8 +11,10 @@ from typing import Literal, overload
 
 import grpc
 from grpc_health.v1 import health_pb2, health_pb2_grpc
+from numpy.typing import ArrayLike
 
-from mane import channel, jobs, messages, stream
+from mane import channel, jobs, messages, strand_messages, stream
+from mane.errors import InvalidArgument
 from mane.frames import Frame, FrameFormat, Space
 from mane.groom import Ellipsoid, Groom, Guide, GuideGeneration, RestShape
 from mane.heads import CLOSE_TIMEOUT_S, LockstepHead, RealtimeHead
@@ -21,6 +23,7 @@ from mane.jobs import Job
 from mane.mesh import Mesh
 from mane.motion import Motion
 from mane.pose import Environment
+from mane.strands import ImportOptions, ImportReport, Strand
 from mane.stream import Pacing
 from mane.v1 import (
     animation_pb2,
@@ -62,7 +65,7 @@ class Client:
       ca_file: encrypt, and check it by the authorities in this PEM file.
       token: sent as a bearer token with every call; needs an encrypted connection.
       timeout_s: longest wait for the answer of a short call [s]. Uploads and rest shapes may take
-        ten times as long.
+        ten times as long, imports of strands a hundred times.
 
     The constructor does not connect; the first call does. Every method raises `mane.Error`.
     """
@@ -111,15 +114,22 @@ class Client:
         self,
         guides: Iterable[Guide] = (),
         *,
+        strands: Iterable[Strand | ArrayLike] = (),
+        import_options: ImportOptions | None = None,
         scalp: Mesh | Ellipsoid | None = None,
         generate: GuideGeneration | None = None,
         groom_id: str = "",
         display_name: str = "",
     ) -> Groom:
-        """Uploads guides, or lets the server generate them on a scalp. Once it returns, it is kept.
+        """Uploads guides, imports strands, or lets the server generate guides on a scalp. Once it
+        returns, the groom is kept.
 
         Args:
-          guides: the guide strands; none where `generate` is given.
+          guides: the guide strands; none where `strands` or `generate` are given.
+          strands: hair of another program, `Strand`s or plain arrays of points (k, 3): each becomes
+            a guide at rest in that shape. `Groom.import_summary` tells how well, `import_report`
+            strand by strand. Takes 10 to 100 ms a strand, some times that with an error bound.
+          import_options: how; None is `ImportOptions()`.
           scalp: a triangle mesh or an ellipsoid in the head frame; `generate` needs one.
           generate: places and shapes guides on the scalp's hair region.
           groom_id: last part of the name, `[a-z0-9]([a-z0-9-]{0,61}[a-z0-9])?`; the server chooses
@@ -130,8 +140,24 @@ class Client:
         AlreadyExists where the id is taken, ResourceExhausted above the server's limits.
         """
         header = messages.create_header(groom_id, display_name, generate)
-        requests = messages.create_groom(header, guides, scalp)
-        return messages.from_groom(self._call(self._grooms.CreateGroom, requests, patience=10))
+        if import_options is None:
+            strands = list(strands)
+            import_options = ImportOptions() if strands else None
+        if import_options is None:
+            requests, patience = messages.create_groom(header, guides, scalp), 10
+        elif any(True for _ in guides):
+            raise InvalidArgument.of("guides", "must be empty where strands are imported")
+        else:
+            requests = strand_messages.create_groom(header, strands, import_options, scalp)
+            patience = 100
+        groom = self._call(self._grooms.CreateGroom, requests, patience)
+        return messages.from_groom(groom)
+
+    def import_report(self, groom: Groom | str) -> ImportReport:
+        """How closely every strand was fitted and whether it holds. FailedPrecondition for a groom
+        that was not made from strands."""
+        request = messages.of_groom(groom_pb2.GetImportReportRequest, groom)
+        return strand_messages.from_report(self._call(self._grooms.GetImportReport, request))
 
     def get_groom(self, groom: Groom | str) -> Groom:
         """The description of a groom, by `grooms/{groom}` or its last part."""

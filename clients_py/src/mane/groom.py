@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from datetime import datetime
 from enum import StrEnum
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,6 +14,9 @@ from scipy.spatial.transform import Rotation
 from mane.errors import InvalidArgument
 from mane.mesh import Mesh
 from mane.pose import IDENTITY, choice, vector
+
+if TYPE_CHECKING:
+    from mane.strands import ImportSummary
 
 
 class HairType(StrEnum):
@@ -177,6 +181,7 @@ class Groom:
       seed: the seed that generated it.
       etag: digest of the content: equal content, equal etag.
       has_scalp: whether it holds a scalp.
+      import_summary: an `ImportSummary` for a groom made from strands, else None.
       guides, scalp: the content; only `export_groom` fills them.
     """
 
@@ -190,6 +195,7 @@ class Groom:
     seed: int = 0
     etag: str = ""
     has_scalp: bool = False
+    import_summary: ImportSummary | None = None
     guides: tuple[Guide, ...] = ()
     scalp: Mesh | Ellipsoid | None = None
 

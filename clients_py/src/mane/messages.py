@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import uuid
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from dataclasses import fields, replace
 from datetime import UTC, datetime
 
 import numpy as np
@@ -24,6 +24,7 @@ from mane.helix import Strands
 from mane.mesh import Mesh
 from mane.motion import Motion
 from mane.pose import IDENTITY, Environment, Pose, choice, vector
+from mane.strands import ImportSummary
 from mane.v1 import animation_pb2, bake_pb2, groom_pb2, types_pb2
 
 # Uploads travel in pieces of about this size, well under the server's limit of 1 MiB a message.
@@ -278,6 +279,7 @@ class ExportedGroom:
 
 def from_groom(message: groom_pb2.Groom) -> Groom:
     preset = groom_pb2.HairType.Name(message.hair_type).removeprefix("HAIR_TYPE_").lower()
+    imported = message.HasField("import_summary")
     return Groom(
         name=message.name,
         display_name=message.display_name,
@@ -289,7 +291,12 @@ def from_groom(message: groom_pb2.Groom) -> Groom:
         seed=message.seed,
         etag=message.etag,
         has_scalp=message.has_scalp,
+        import_summary=from_import_summary(message.import_summary) if imported else None,
     )
+
+
+def from_import_summary(message: groom_pb2.ImportSummary) -> ImportSummary:
+    return ImportSummary(**{f.name: getattr(message, f.name) for f in fields(ImportSummary)})
 
 
 def from_rest_shape(message: groom_pb2.ComputeRestShapeResponse, strands: Strands) -> RestShape:
