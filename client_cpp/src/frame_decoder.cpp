@@ -46,8 +46,8 @@ void ToElements(std::span<const double> numbers, std::vector<Vector>& out) {
 }  // namespace
 
 bool GuideGeometry::usable() const {
-  const auto bent = [](const Eigen::Vector3d& curvature) {
-    return curvature.allFinite() && curvature.tail<2>().norm() > 0;
+  const auto bent = [](const Eigen::Vector3d& strain) {
+    return strain.allFinite() && strain.tail<2>().norm() > 0;
   };
   return !element_lengths.empty() && natural.size() == (wound ? element_lengths.size() : 0) &&
          std::all_of(natural.begin(), natural.end(), bent);

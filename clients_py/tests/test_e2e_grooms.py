@@ -151,14 +151,10 @@ def test_hair_grows_on_the_mannequin(keep):
 def test_rest_shape_without_gravity_is_the_natural_helix(keep, client):
     guides = make_guides(6)
     rest = client.rest_shape(keep(guides), gravity=(0, 0, 0), points_per_guide=20)
-    natural = []
-    for guide in guides:
-        lengths = guide.resolved_element_lengths_m()
-        parts = (guide.natural_twist, guide.natural_curvature_1, guide.natural_curvature_2)
-        natural.append(np.stack([np.broadcast_to(p, len(lengths)) for p in parts], axis=1))
+    natural = np.concatenate([guide.resolved_natural() for guide in guides])
     lengths = np.concatenate([g.resolved_element_lengths_m() for g in guides])
-    np.testing.assert_allclose(rest.curvatures, np.concatenate(natural), atol=1e-6)
-    helices = Strands(guides).positions(np.concatenate(natural) * lengths[:, None], 20)
+    np.testing.assert_allclose(np.concatenate(rest.curvatures), natural, atol=1e-6)
+    helices = Strands(guides).positions(natural * lengths[:, None], 20)
     np.testing.assert_allclose(rest.positions, helices, atol=1e-9)
     assert rest.residuals.shape == (6,)
 
@@ -168,7 +164,7 @@ def test_rest_shape_under_gravity_balances_and_fits_its_curvatures(keep, client)
     rest = client.rest_shape(keep(guides), points_per_guide=30)
     assert np.all(rest.residuals <= 1e-6)
     lengths = np.concatenate([g.resolved_element_lengths_m() for g in guides])
-    helices = Strands(guides).positions(rest.curvatures * lengths[:, None], 30)
+    helices = Strands(guides).positions(np.concatenate(rest.curvatures) * lengths[:, None], 30)
     np.testing.assert_allclose(rest.positions, helices, atol=1e-9)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -63,8 +64,27 @@ def test_generalized_is_rebuilt_in_the_asked_space(space):
         turned = Rotation.from_quat(pose.orientation).apply(expected.reshape(-1, 3))
         expected = turned.reshape(expected.shape) + pose.position
     np.testing.assert_allclose(decoded, expected, atol=5e-7)
-    np.testing.assert_array_equal(given, angles)
+    np.testing.assert_array_equal(np.concatenate(given), angles)
     assert decoded.dtype == np.float32
+
+
+def test_generalized_frames_of_plain_and_wound_guides():
+    guides = make_guides(4)
+    guides[1], guides[3] = (replace(guide, model="wound") for guide in (guides[1], guides[3]))
+    strands = Strands(guides)
+    widths = [3, 4, 3, 4]
+    sent = [
+        np.random.default_rng(k).normal(size=(guide.element_count, width)).astype(np.float32)
+        for k, (guide, width) in enumerate(zip(guides, widths, strict=True))
+    ]
+    data = b"".join(struct.pack("<f", x) for angles in sent for x in angles.ravel())
+    decoded, given = FrameDecoder("generalized", 4, 6, "head", strands).decode(data, AT_ORIGIN)
+    for k, (guide, angles) in enumerate(zip(guides, sent, strict=True)):
+        np.testing.assert_array_equal(given[k], angles)
+        alone = Strands([guide]).positions(angles, 6)[0]
+        np.testing.assert_allclose(decoded[k], alone, atol=1e-7)
+    with pytest.raises(mane.Internal, match="bytes arrived"):
+        FrameDecoder("generalized", 4, 6, "head", strands).decode(data[:-4], AT_ORIGIN)
 
 
 @pytest.mark.parametrize("format", list(mane.FrameFormat))

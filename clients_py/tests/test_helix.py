@@ -1,4 +1,4 @@
-"""Rebuilding helices from element angles.
+"""Rebuilding plain strands from element angles.
 
 Against an independent integrator (RK4 of R' = R [kappa], r' = R e0, element by element), against
 closed forms (an arc of a circle, a straight strand), and at the numerical seams.

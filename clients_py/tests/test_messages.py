@@ -10,6 +10,7 @@ import pytest
 import mane
 from conftest import make_guide, make_guides
 from mane import messages
+from mane.helix import Strands
 from mane.v1 import groom_pb2
 
 MESSAGE_LIMIT = 1024 * 1024
@@ -49,7 +50,11 @@ def assert_same_guide(a: mane.Guide, b: mane.Guide) -> None:
 
 
 def test_guides_survive_the_way_there_and_back():
-    guides = [*make_guides(5), make_guide(element_count=0, element_lengths_m=[0.1, 0.05])]
+    guides = [
+        *make_guides(5),
+        make_guide(element_count=0, element_lengths_m=[0.1, 0.05]),
+        make_guide(model=mane.StrandModel.WOUND),
+    ]
     back = download(upload(guides, None), len(guides)).guides
     for sent, received in zip(guides, back, strict=True):
         assert_same_guide(sent, received)
@@ -96,6 +101,38 @@ def test_every_hair_type_of_the_api_is_known():
     assert known == set(groom_pb2.HairType.keys()) - {"HAIR_TYPE_UNSPECIFIED"}
     with pytest.raises(mane.InvalidArgument, match="'bald', must be one of asian_smooth"):
         messages.hair_type("bald")
+
+
+def test_every_strand_model_of_the_api_is_known():
+    def of_guide(model):
+        return messages.guide(make_guide(model=model))
+
+    def of_generation(model):
+        generate = mane.GuideGeneration("asian_smooth", 1, 0.1, model=model)
+        return messages.generation(generate)
+
+    for make in (of_guide, of_generation):
+        known = {groom_pb2.StrandModel.Name(make(value).model) for value in mane.StrandModel}
+        assert known == set(groom_pb2.StrandModel.keys()) - {"STRAND_MODEL_UNSPECIFIED"}
+        assert make("Wound").model == groom_pb2.STRAND_MODEL_WOUND
+        with pytest.raises(mane.InvalidArgument, match="'knitted', must be one of super-helix"):
+            make("knitted")
+    unset = mane.GuideGeneration("asian_smooth", 1, 0.1)
+    assert messages.generation(unset).model == groom_pb2.STRAND_MODEL_UNSPECIFIED
+    assert messages.from_guide(groom_pb2.Guide()).model == mane.StrandModel.SUPER_HELIX
+
+
+def test_rest_curvatures_come_guide_by_guide():
+    guides = [make_guide(element_count=2), make_guide(element_count=3, model="wound")]
+    numbers = np.arange(2 * 3 + 3 * 4.0)
+    message = groom_pb2.ComputeRestShapeResponse(
+        points_per_guide=2,
+        positions=bytes(2 * 2 * 3 * 8),
+        curvatures=numbers.astype("<f8").tobytes(),
+    )
+    plain, wound = messages.from_rest_shape(message, Strands(guides)).curvatures
+    np.testing.assert_array_equal(plain, numbers[:6].reshape(2, 3))
+    np.testing.assert_array_equal(wound, numbers[6:].reshape(3, 4))
 
 
 @pytest.mark.parametrize(

@@ -32,6 +32,7 @@ from mane.groom import (
     GuideGeneration,
     HairType,
     RestShape,
+    StrandModel,
     frame_along,
 )
 from mane.heads import LockstepHead, RealtimeHead
@@ -84,6 +85,7 @@ __all__ = [
     "Space",
     "Status",
     "Strand",
+    "StrandModel",
     "Unauthenticated",
     "Unavailable",
     "frame_along",

@@ -155,7 +155,7 @@ class Client:
         """As `mane.Client.rest_shape`."""
         request = messages.rest_shape(groom, head_orientation, gravity, points_per_guide)
         answer = await self._call(self._grooms.ComputeRestShape, request, patience=10)
-        return messages.from_rest_shape(answer)
+        return messages.from_rest_shape(answer, await self._strands(groom))
 
     @asynccontextmanager
     async def open_head(
@@ -223,16 +223,14 @@ class Client:
     async def read_bake(self, job: Job | str, reading: jobs.Reading) -> AsyncIterator[Frame]:
         """As `mane.Client.read_bake`."""
         groom = await self.get_groom(reading.groom)
-        strands = await self._strands(groom, reading.format)
+        generalized = reading.format == animation_pb2.FRAME_FORMAT_GENERALIZED
+        strands = await self._strands(groom) if generalized else None
         decoder = stream.decoder_for(reading, groom.guide_count, strands)
         request = messages.of_job(bake_pb2.ReadBakeRequest, job)
         async for frame in self._stream(self._bakes.ReadBake(request)):
             yield stream.from_hair_frame(frame, decoder)
 
-    async def _strands(self, groom: Groom | str, format: int) -> Strands | None:
-        """What the client needs to rebuild helices; None for formats that need nothing."""
-        if format != animation_pb2.FRAME_FORMAT_GENERALIZED:
-            return None
+    async def _strands(self, groom: Groom | str) -> Strands:
         known = groom.guides if isinstance(groom, Groom) else ()
         return Strands(known or (await self.export_groom(groom)).guides)
 

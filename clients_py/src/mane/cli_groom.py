@@ -12,7 +12,7 @@ from mane import cli_import, mesh
 from mane.client import Client
 from mane.convert import UNITS_M
 from mane.errors import InvalidArgument
-from mane.groom import Groom, GuideGeneration, HairType
+from mane.groom import Groom, GuideGeneration, HairType, StrandModel
 from mane.progress import listing, out, waiting
 
 app = typer.Typer(
@@ -38,6 +38,13 @@ def create(
     elements: Annotated[
         int, typer.Option(min=0, help="Helical elements per strand; 0 lets the server choose.")
     ] = 0,
+    model: Annotated[
+        StrandModel | None,
+        typer.Option(
+            help="How elements describe strands: wound is for hair of many turns; "
+            "the server chooses unless given."
+        ),
+    ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Same seed, same hair.")] = 0,
     scalp: Annotated[
         Path | None,
@@ -59,7 +66,7 @@ def create(
 
     ```
     mane groom create demo
-    mane groom create afro --hair-type african_fuzzy --length 0.1 --guides 400
+    mane groom create afro --hair-type african_fuzzy --length 0.1 --guides 400 --model wound
     mane groom create anna --scalp body.obj --group body --unit dm
     ```
     """
@@ -72,7 +79,7 @@ def create(
         head = mesh.load_head(scalp, group, UNITS_M[unit]) if scalp else mesh.mannequin()
     except ValueError as error:
         raise InvalidArgument.of("scalp", str(error)) from error
-    generate = GuideGeneration(hair_type, guides, length, elements, seed)
+    generate = GuideGeneration(hair_type, guides, length, elements, seed, model=model)
     with waiting(f"growing {guides} guides"):
         groom = client.create_groom(
             scalp=head, generate=generate, groom_id=groom_id, display_name=display_name

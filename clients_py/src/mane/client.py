@@ -204,10 +204,12 @@ class Client:
           head_orientation: head -> world quaternion (x, y, z, w); None is upright.
           gravity: world [m/s^2], (3,); None is (0, -9.81, 0).
           points_per_guide: 2 to 256.
+
+        Fetches the guides too, unless `groom` is an exported one that has them.
         """
         request = messages.rest_shape(groom, head_orientation, gravity, points_per_guide)
         answer = self._call(self._grooms.ComputeRestShape, request, patience=10)
-        return messages.from_rest_shape(answer)
+        return messages.from_rest_shape(answer, self._strands(groom))
 
     @overload
     def open_head(
@@ -243,7 +245,8 @@ class Client:
         """
         name = messages.resource_name("grooms", groom)
         request = stream.open_head(name, pacing, **options)
-        strands = self._strands(groom, request.format)
+        generalized = request.format == animation_pb2.FRAME_FORMAT_GENERALIZED
+        strands = self._strands(groom) if generalized else None
         lockstep = request.pacing == animation_pb2.PACING_LOCKSTEP
         kind = LockstepHead if lockstep else RealtimeHead
         return kind(self._animation, self.server, request, strands)
@@ -303,17 +306,15 @@ class Client:
     def read_bake(self, job: Job | str, reading: jobs.Reading) -> Iterator[Frame]:
         """The frames of a finished bake, in order. FailedPrecondition while it is not finished."""
         groom = self.get_groom(reading.groom)
-        strands = self._strands(groom, reading.format)
+        generalized = reading.format == animation_pb2.FRAME_FORMAT_GENERALIZED
+        strands = self._strands(groom) if generalized else None
         decoder = stream.decoder_for(reading, groom.guide_count, strands)
         for frame in self._stream(
             self._bakes.ReadBake(messages.of_job(bake_pb2.ReadBakeRequest, job))
         ):
             yield stream.from_hair_frame(frame, decoder)
 
-    def _strands(self, groom: Groom | str, format: int) -> Strands | None:
-        """What the client needs to rebuild helices; None for formats that need nothing."""
-        if format != animation_pb2.FRAME_FORMAT_GENERALIZED:
-            return None
+    def _strands(self, groom: Groom | str) -> Strands:
         known = groom.guides if isinstance(groom, Groom) else ()
         return Strands(known or self.export_groom(groom).guides)
 

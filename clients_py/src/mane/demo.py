@@ -20,7 +20,7 @@ from mane import clips, mesh
 from mane.channel import DEFAULT_SERVER, SERVER_VARIABLE
 from mane.client import Client
 from mane.errors import Error, InvalidArgument
-from mane.groom import GuideGeneration, HairType
+from mane.groom import GuideGeneration, HairType, StrandModel
 from mane.motion import Motion
 from mane.painter import Look
 from mane.picture import VIEWS, draw_sheet, write_video
@@ -89,6 +89,9 @@ def demo(
     ] = DEFAULT_MOTION,
     length: Annotated[float, typer.Option(help="Length of the hair, metres.")] = 0.25,
     guides: Annotated[int, typer.Option(min=1, help="Guide strands.")] = 120,
+    model: Annotated[
+        StrandModel | None, typer.Option(help="As of `mane groom create`; by hair unless given.")
+    ] = None,
     seconds: Annotated[
         float | None, typer.Option(min=0.1, help="Only the first seconds of the motion.")
     ] = None,
@@ -112,7 +115,12 @@ def demo(
     with Client(server) as client:
         for name, kind in kinds.items():
             generate = GuideGeneration(
-                kind.hair_type, guides, length, seed=seed, curl_variation=kind.curl_variation
+                kind.hair_type,
+                guides,
+                length,
+                seed=seed,
+                curl_variation=kind.curl_variation,
+                model=model,
             )
             look = Look(kind.hair_color, tip_part=kind.tip_part, size=size)
             positions = animate(client, scalp, generate, track, kind.points, substeps, name)

@@ -19,8 +19,8 @@ class FrameFormat(StrEnum):
     FLOAT32: positions as they are, 12 bytes a point.
     QUANTIZED16: 16-bit positions in each strand's box, 6 bytes a point; off by at most 1/131070 of
       the box's size along each axis.
-    GENERALIZED: element angles, 12 bytes an element; the client rebuilds the helices. Exact, and
-      the smallest for guides.
+    GENERALIZED: the strands' coordinates, 12 bytes an element, 16 of WOUND guides; the client
+      rebuilds the strands. Exact, and the smallest for guides.
     """
 
     FLOAT32 = "float32"
@@ -74,8 +74,9 @@ class Frame:
       step_ms: time that the server spent on the frame [ms].
       repaired_guides: guides that the server put back to rest because of a fault of its own.
       diagnostics: energies and the like; None unless the head was opened with `diagnostics`.
-      angles: element angles (twist, bend 1, bend 2), (element of all guides, 3) float32 [rad]; None
-        unless the format is GENERALIZED.
+      angles: coordinates of each guide, float32 [rad]: (element, 3) twist, bend 1, bend 2; of WOUND
+        guides (element, 4) length times (u, b1, b2, xi) of `mane.helix`. None unless the format is
+        GENERALIZED.
     """
 
     index: int
@@ -87,7 +88,7 @@ class Frame:
     step_ms: float = 0.0
     repaired_guides: int = 0
     diagnostics: Diagnostics | None = None
-    angles: np.ndarray | None = None
+    angles: tuple[np.ndarray, ...] | None = None
 
 
 class FrameDecoder:
@@ -97,7 +98,7 @@ class FrameDecoder:
       format: what the server sends.
       guide_count, points_per_guide: shape of the positions.
       space: WORLD or HEAD. It matters for GENERALIZED only: the other formats arrive in it.
-      strands: roots and element lengths; needed for GENERALIZED.
+      strands: the groom's; needed for GENERALIZED.
     """
 
     def __init__(
@@ -116,8 +117,10 @@ class FrameDecoder:
         if self._format == FrameFormat.GENERALIZED and strands is None:
             raise ValueError("strands: needed to rebuild generalized coordinates")
 
-    def decode(self, data: bytes, head_pose: Pose) -> tuple[np.ndarray, np.ndarray | None]:
-        """Positions and, for GENERALIZED, element angles; as in `Frame`.
+    def decode(
+        self, data: bytes, head_pose: Pose
+    ) -> tuple[np.ndarray, tuple[np.ndarray, ...] | None]:
+        """Positions and, for GENERALIZED, coordinates of each guide; as in `Frame`.
 
         Raises Internal where `data` has not the size that the format says.
         """
@@ -127,8 +130,8 @@ class FrameDecoder:
             return np.frombuffer(data, "<f4").reshape(self._shape).copy(), None
         if self._format == FrameFormat.QUANTIZED16:
             return self._dequantized(data), None
-        angles = np.frombuffer(data, "<f4").reshape(-1, 3).copy()
-        return self._rebuilt(angles, head_pose), angles
+        coordinates = np.frombuffer(data, "<f4").copy()
+        return self._rebuilt(coordinates, head_pose), self._strands.by_guide(coordinates)
 
     def _size(self) -> int:
         guides, points, _ = self._shape
@@ -136,7 +139,7 @@ class FrameDecoder:
             return guides * points * 12
         if self._format == FrameFormat.QUANTIZED16:
             return guides * self._strand_dtype.itemsize
-        return self._strands.element_count * 12
+        return self._strands.coordinate_count * 4
 
     def _dequantized(self, data: bytes) -> np.ndarray:
         strands = np.frombuffer(data, self._strand_dtype)
@@ -144,8 +147,8 @@ class FrameDecoder:
         low, high = box[:, :1], box[:, 1:]
         return (low + (high - low) * (strands["u"] / 65535.0)).astype(np.float32)
 
-    def _rebuilt(self, angles: np.ndarray, head_pose: Pose) -> np.ndarray:
-        positions = self._strands.positions(angles.astype(np.float64), self._shape[1])
+    def _rebuilt(self, coordinates: np.ndarray, head_pose: Pose) -> np.ndarray:
+        positions = self._strands.positions(coordinates.astype(np.float64), self._shape[1])
         if self._space == Space.WORLD:
             rotation = Rotation.from_quat(head_pose.orientation).as_matrix()
             positions = positions @ rotation.T + head_pose.position

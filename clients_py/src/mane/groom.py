@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from mane.errors import InvalidArgument
 from mane.mesh import Mesh
-from mane.pose import IDENTITY, vector
+from mane.pose import IDENTITY, choice, vector
 
 if TYPE_CHECKING:
     from mane.strands import ImportSummary
@@ -26,6 +26,21 @@ class HairType(StrEnum):
     CAUCASIAN_WAVY = "caucasian_wavy"
     CAUCASIAN_CURLY = "caucasian_curly"
     AFRICAN_FUZZY = "african_fuzzy"
+
+
+class StrandModel(StrEnum):
+    """How a strand's shape is described by the unknowns of its N elements.
+
+    SUPER_HELIX: [SH06]: each element has constant material curvatures and twist. Right for any hair
+      that its elements can follow: two of them, better three or four, for each turn of natural
+      curl.
+    WOUND: for hair that winds more often: the Super-Helix lies along the axis of the natural coil,
+      and the coil around it twists and stretches. Five to ten elements are enough for any number of
+      turns. Every element needs natural curvature, which should change little to the next.
+    """
+
+    SUPER_HELIX = "super-helix"
+    WOUND = "wound"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -48,6 +63,7 @@ class Guide:
       air_drag: nu of [SH06] (5a) [kg/(m s)], in [0, 10]; disciplined hair 5e-6, fuzzy hair 5e-5.
       natural_twist, natural_curvature_1, natural_curvature_2: per element, root to tip [rad/m],
         within ±1e5: N numbers, or one for all. Component i turns about n_i.
+      model: a `StrandModel` or its value.
 
     The server checks the ranges; its error names the guide and the field.
     """
@@ -67,10 +83,12 @@ class Guide:
     natural_twist: ArrayLike = 0.0
     natural_curvature_1: ArrayLike = 0.0
     natural_curvature_2: ArrayLike = 0.0
+    model: StrandModel | str = StrandModel.SUPER_HELIX
 
     def __post_init__(self):
         object.__setattr__(self, "root_position", vector("root_position", self.root_position, 3))
         object.__setattr__(self, "root_frame", vector("root_frame", self.root_frame, 4))
+        object.__setattr__(self, "model", choice("model", StrandModel, self.model))
         lists = ("element_lengths_m", "natural_twist", "natural_curvature_1", "natural_curvature_2")
         for name in lists:
             values = np.atleast_1d(np.array(getattr(self, name), dtype=np.float64))
@@ -83,6 +101,12 @@ class Guide:
         if self.element_lengths_m.size:
             return self.element_lengths_m
         return np.full(self.element_count, self.length_m / self.element_count)
+
+    def resolved_natural(self) -> np.ndarray:
+        """Natural twist and curvatures 1 and 2 of each element, (N, 3) [rad/m]."""
+        lists = (self.natural_twist, self.natural_curvature_1, self.natural_curvature_2)
+        count = len(self.resolved_element_lengths_m())
+        return np.stack([np.broadcast_to(values, count) for values in lists], axis=1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,6 +151,8 @@ class GuideGeneration:
         many elements would have it, at rest and in a moderate shake, rms, relative to its length.
         In [1e-3, 0.2]; None is the server's default, 0.02. Hair that coils too tightly for 20
         elements to reach it gets 20.
+      model: a `StrandModel` or its value; None lets the server choose: WOUND for hair that turns at
+        least five times, and more than N / 2 times.
     """
 
     hair_type: HairType | str
@@ -137,6 +163,7 @@ class GuideGeneration:
     curl_variation: float | None = None
     root_droop: float | None = None
     error_target: float | None = None
+    model: StrandModel | str | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,13 +206,15 @@ class RestShape:
 
     Attributes:
       positions: points at equal arc length, root first, (guide, point, 3) float64, head frame [m].
-      curvatures: twist and two curvatures, (element of all guides, 3) float64 [rad/m].
+      curvatures: of each guide, float64 [rad/m]: (element, 3) twist and two curvatures; of WOUND
+        guides (element, 4) changes of the coil's twist, two curvatures of its axis, and change of
+        the strain towards the hair's tangent, see `mane.helix`.
       residuals: largest unbalanced generalized force over the weight's largest one, (guide,); at
         most 1e-6 where the solver converged.
     """
 
     positions: np.ndarray
-    curvatures: np.ndarray
+    curvatures: tuple[np.ndarray, ...]
     residuals: np.ndarray
 
 

@@ -10,11 +10,20 @@ from datetime import UTC, datetime
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mane.errors import Internal, InvalidArgument
-from mane.groom import Ellipsoid, Groom, Guide, GuideGeneration, HairType, RestShape
+from mane.errors import Internal
+from mane.groom import (
+    Ellipsoid,
+    Groom,
+    Guide,
+    GuideGeneration,
+    HairType,
+    RestShape,
+    StrandModel,
+)
+from mane.helix import Strands
 from mane.mesh import Mesh
 from mane.motion import Motion
-from mane.pose import IDENTITY, Environment, Pose, vector
+from mane.pose import IDENTITY, Environment, Pose, choice, vector
 from mane.strands import ImportSummary
 from mane.v1 import animation_pb2, bake_pb2, groom_pb2, types_pb2
 
@@ -33,15 +42,6 @@ def resource_name(collection: str, resource) -> str:
     """`grooms/x` for a resource object, for `grooms/x` and for plain `x`."""
     name = resource if isinstance(resource, str) else resource.name
     return name if name.startswith(f"{collection}/") else f"{collection}/{name}"
-
-
-def choice(field: str, enum_class, value):
-    """`value` as a member of a string enum. InvalidArgument names the members where it is none."""
-    try:
-        return enum_class(value.lower() if isinstance(value, str) else value)
-    except ValueError:
-        allowed = ", ".join(member.value for member in enum_class)
-        raise InvalidArgument.of(field, f"is {value!r}, must be one of {allowed}") from None
 
 
 def vector3(values: ArrayLike, name: str = "vector") -> types_pb2.Vector3:
@@ -110,6 +110,7 @@ def guide(value: Guide) -> groom_pb2.Guide:
         natural_twist=value.natural_twist,
         natural_curvature_1=value.natural_curvature_1,
         natural_curvature_2=value.natural_curvature_2,
+        model=strand_model(value.model),
     )
 
 
@@ -131,12 +132,26 @@ def from_guide(message: groom_pb2.Guide) -> Guide:
         natural_twist=message.natural_twist or (0.0,),
         natural_curvature_1=message.natural_curvature_1 or (0.0,),
         natural_curvature_2=message.natural_curvature_2 or (0.0,),
+        model=_MODELS.get(message.model, StrandModel.SUPER_HELIX),  # Unset is.
     )
 
 
 def hair_type(value: HairType | str) -> int:
     name = choice("hair_type", HairType, value).name
     return groom_pb2.HairType.Value(f"HAIR_TYPE_{name}")
+
+
+_MODELS = {
+    groom_pb2.STRAND_MODEL_SUPER_HELIX: StrandModel.SUPER_HELIX,
+    groom_pb2.STRAND_MODEL_WOUND: StrandModel.WOUND,
+}
+
+
+def strand_model(value: StrandModel | str | None) -> int:
+    """None is UNSPECIFIED."""
+    if value is None:
+        return groom_pb2.STRAND_MODEL_UNSPECIFIED
+    return groom_pb2.StrandModel.Value(f"STRAND_MODEL_{choice('model', StrandModel, value).name}")
 
 
 def generation(value: GuideGeneration) -> groom_pb2.GuideGeneration:
@@ -149,6 +164,7 @@ def generation(value: GuideGeneration) -> groom_pb2.GuideGeneration:
         curl_variation=value.curl_variation,
         root_droop=value.root_droop,
         error_target=value.error_target,
+        model=strand_model(value.model),
     )
 
 
@@ -283,11 +299,12 @@ def from_import_summary(message: groom_pb2.ImportSummary) -> ImportSummary:
     return ImportSummary(**{f.name: getattr(message, f.name) for f in fields(ImportSummary)})
 
 
-def from_rest_shape(message: groom_pb2.ComputeRestShapeResponse) -> RestShape:
+def from_rest_shape(message: groom_pb2.ComputeRestShapeResponse, strands: Strands) -> RestShape:
+    """`strands`: the groom's."""
     points = message.points_per_guide
     return RestShape(
         positions=np.frombuffer(message.positions, "<f8").reshape(-1, points, 3).copy(),
-        curvatures=np.frombuffer(message.curvatures, "<f8").reshape(-1, 3).copy(),
+        curvatures=strands.by_guide(np.frombuffer(message.curvatures, "<f8").copy()),
         residuals=np.frombuffer(message.residuals, "<f8").copy(),
     )
 

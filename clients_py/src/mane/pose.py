@@ -59,6 +59,15 @@ class Environment:
     wind_seed: int | None = None
 
 
+def choice(field: str, enum_class, value):
+    """`value` as a member of a string enum. InvalidArgument names the members where it is none."""
+    try:
+        return enum_class(value.lower() if isinstance(value, str) else value)
+    except ValueError:
+        allowed = ", ".join(member.value for member in enum_class)
+        raise InvalidArgument.of(field, f"is {value!r}, must be one of {allowed}") from None
+
+
 def vector(name: str, values: ArrayLike, size: int) -> np.ndarray:
     """`values` as (size,) float64. InvalidArgument naming the field where the shape is another."""
     array = np.array(values, dtype=np.float64)

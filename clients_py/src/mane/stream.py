@@ -12,7 +12,7 @@ from enum import StrEnum
 from mane import messages
 from mane.frames import Diagnostics, Frame, FrameDecoder, FrameFormat, Space
 from mane.helix import Strands
-from mane.pose import Environment, Pose
+from mane.pose import Environment, Pose, choice
 from mane.v1 import animation_pb2
 
 _FORMATS = {
@@ -61,11 +61,11 @@ class Notice:
 
 
 def format_value(format: FrameFormat | str) -> int:
-    return _FORMATS[messages.choice("format", FrameFormat, format)]
+    return _FORMATS[choice("format", FrameFormat, format)]
 
 
 def space_value(space: Space | str) -> int:
-    return _SPACES[messages.choice("space", Space, space)]
+    return _SPACES[choice("space", Space, space)]
 
 
 def open_head(
@@ -84,17 +84,17 @@ def open_head(
     diagnostics: bool = False,
 ) -> animation_pb2.OpenHead:
     """The message that opens a head; `mane.Client.open_head` describes the arguments."""
-    choice = messages.choice("pacing", Pacing, pacing)
+    chosen = choice("pacing", Pacing, pacing)
     message = animation_pb2.OpenHead(
         groom=groom,
-        pacing=animation_pb2.Pacing.Value(f"PACING_{choice.name}"),
+        pacing=animation_pb2.Pacing.Value(f"PACING_{chosen.name}"),
         format=format_value(format),
         space=space_value(space),
         points_per_guide=points_per_guide,
-        rate_hz=rate_hz if choice == Pacing.REALTIME else 0.0,
+        rate_hz=rate_hz if chosen == Pacing.REALTIME else 0.0,
         substeps=substeps,
         pose_delay_s=pose_delay_s,
-        max_unacked_frames=max_unacked_frames if choice == Pacing.REALTIME else 0,
+        max_unacked_frames=max_unacked_frames if chosen == Pacing.REALTIME else 0,
         request_id=messages.request_id(),
         diagnostics=diagnostics,
     )
