@@ -163,6 +163,9 @@ TEST(ImportTest, StiffensWhatBucklesAndTellsWhatItCouldNot) {
   EXPECT_EQ(fallen->outcomes[0].stiffness_factor, 4);
   EXPECT_DOUBLE_EQ(fallen->guides[0].material.young_modulus, 4 * nominal);
   EXPECT_GT(fallen->outcomes[0].tip_deviation, 0.05);
+  // A head starts where the strand goes, not where it cannot stay.
+  EXPECT_LT(Sample(fallen->guides[0], fallen->rest_theta, 2)[1].y(), 0.1f);
+  EXPECT_NEAR(Sample(standing->guides[0], standing->rest_theta, 2)[1].y(), 0.15f, 1e-4f);
   EXPECT_TRUE(standing->outcomes[0].held);
   const float needed = standing->outcomes[0].needed_stiffness_factor;
   EXPECT_EQ(fallen->outcomes[0].needed_stiffness_factor, needed);
