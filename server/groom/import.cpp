@@ -10,8 +10,8 @@
 
 #include "groom/describe.h"
 #include "groom/presets.h"
-#include "groom/resolution.h"
 #include "groom/range.h"
+#include "groom/resolution.h"
 #include "groom/validate.h"
 #include "rod/chain.h"
 #include "rod/fit.h"

@@ -30,12 +30,17 @@ using Eigen::Vector3f;
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
-// Element angles of a plain guide at rest [rad].
-std::vector<Vector3d> RestAngles(const Groom& groom, int guide) {
-  const std::span<const double> rest = groom.rest_of(guide);
-  std::vector<Vector3d> theta(rest.size() / 3);
-  for (size_t Q = 0; Q < theta.size(); ++Q) theta[Q] = Eigen::Map<const Vector3d>(&rest[3 * Q]);
+// Element angles of plain guides [rad] from their coordinates.
+std::vector<Vector3d> Triples(std::span<const double> coordinates) {
+  std::vector<Vector3d> theta(coordinates.size() / 3);
+  for (size_t Q = 0; Q < theta.size(); ++Q) {
+    theta[Q] = Eigen::Map<const Vector3d>(&coordinates[3 * Q]);
+  }
   return theta;
+}
+
+std::vector<Vector3d> RestAngles(const Groom& groom, int guide) {
+  return Triples(groom.rest_of(guide));
 }
 
 // `count` points at equal steps along a guide in the shape `theta`.
@@ -164,8 +169,8 @@ TEST(ImportTest, StiffensWhatBucklesAndTellsWhatItCouldNot) {
   EXPECT_DOUBLE_EQ(fallen->guides[0].material.young_modulus, 4 * nominal);
   EXPECT_GT(fallen->outcomes[0].tip_deviation, 0.05);
   // A head starts where the strand goes, not where it cannot stay.
-  EXPECT_LT(Sample(fallen->guides[0], fallen->rest_theta, 2)[1].y(), 0.1f);
-  EXPECT_NEAR(Sample(standing->guides[0], standing->rest_theta, 2)[1].y(), 0.15f, 1e-4f);
+  EXPECT_LT(Sample(fallen->guides[0], Triples(fallen->rest), 2)[1].y(), 0.1f);
+  EXPECT_NEAR(Sample(standing->guides[0], Triples(standing->rest), 2)[1].y(), 0.15f, 1e-4f);
   EXPECT_TRUE(standing->outcomes[0].held);
   const float needed = standing->outcomes[0].needed_stiffness_factor;
   EXPECT_EQ(fallen->outcomes[0].needed_stiffness_factor, needed);
