@@ -11,6 +11,7 @@
 #include <limits>
 #include <thread>
 
+#include "groom/resolution.h"
 #include "rpc/test_server.h"
 
 namespace mane::rpc {
@@ -117,7 +118,9 @@ TEST_F(ImportRpcTest, SummaryAndReportAgreeAndSurviveARestart) {
     EXPECT_EQ(size, 4u);
   }
   EXPECT_EQ(elements[0] + elements[1] + elements[2] + elements[3], groom.element_count());
-  EXPECT_EQ(elements[0], 5u);
+  EXPECT_EQ(static_cast<int>(elements[0]),
+            groom::ElementCountFor(groom::HairType::kAsianSmooth, 0.15, groom::kDefaultErrorTarget,
+                                   false));
   EXPECT_EQ(elements[1], 12u);  // All that it may have; they miss the bound.
   EXPECT_EQ(summary.bound_missed_count(), std::ranges::count(met, 0));
   EXPECT_EQ(summary.not_held_count(), std::ranges::count(held, 0));
