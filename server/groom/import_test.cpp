@@ -8,7 +8,6 @@
 //   stops
 
 #include "groom/import.h"
-#include "groom/resolution.h"
 
 #include <gtest/gtest.h>
 
@@ -20,6 +19,7 @@
 #include "groom/assemble.h"
 #include "groom/generate.h"
 #include "groom/presets.h"
+#include "groom/resolution.h"
 #include "rod/chain.h"
 #include "rod/energy.h"
 
