@@ -71,6 +71,8 @@ class Frame:
         clock [s].
       step_ms: time that the server spent on the frame [ms].
       repaired_guides: guides that the server put back to rest because of a fault of its own.
+      stepped_elements: elements that the hair is computed with, of all guides: fewer than it has
+        where `Environment.detail_tolerance_m` allows it.
       diagnostics: energies and the like; None unless the head was opened with `diagnostics`.
       angles: element angles (twist, bend 1, bend 2), (element of all guides, 3) float32 [rad]; None
         unless the format is GENERALIZED.
@@ -84,6 +86,7 @@ class Frame:
     newest_pose_time_s: float = 0.0
     step_ms: float = 0.0
     repaired_guides: int = 0
+    stepped_elements: int = 0
     diagnostics: Diagnostics | None = None
     angles: np.ndarray | None = None
 
