@@ -42,7 +42,7 @@ struct Recursion : StumpffOf<T, W> {
     Vec velocity, spin;
   };
 
-  static Clamp ReadClamp(const T* constants, const T* drive) {
+  [[gnu::always_inline]] static Clamp ReadClamp(const T* constants, const T* drive) {
     const Frame<V> middle = FrameRows(drive, layout::kMiddleFrame);
     const Frame<V> root = FrameRows(constants, layout::kRootFrame);
     return {
@@ -55,7 +55,8 @@ struct Recursion : StumpffOf<T, W> {
   }
 
   /// `velocity` is the root's.
-  static Constants Prepare(const T* constants, const T* drive, const Vec& velocity) {
+  [[gnu::always_inline]] static Constants Prepare(const T* constants, const T* drive,
+                                                  const Vec& velocity) {
     const V h = T(kTheta) * Row(drive, layout::kDuration);
     const V drag = Row(drive, layout::kDragScale) * Row(constants, layout::kDrag);
     const Vec weight = Rows(drive, layout::kGravity) + drag * Rows(drive, layout::kWind);
@@ -78,23 +79,23 @@ struct Recursion : StumpffOf<T, W> {
     const V length = simd::MANE_ISA::Sqrt(length2);
     const Vec b = (T(1) / length) * arm, across = step.pull - b, along = step.pull + b;
     const V cosine = Dot(step.pull, b), size = step.force * length;
-    const V down = cosine > T(0) ? cosine : V{}, up = cosine > T(0) ? V{} : cosine;
-    const V diagonal = size * down;
+    const V down = cosine > T(0) ? cosine : V{}, up = cosine - down;
+    const V part = T(0.25) * size / (T(1) + down - up), diagonal = size * down;
     Symmetric<V> G{diagonal, V{}, V{}, diagonal, V{}, diagonal};
-    AddOuter(G, (-diagonal / (T(2) + T(2) * down)) * along, along);
-    AddOuter(G, (size * (T(1) + up) / (T(4) - T(4) * up)) * across, across);
+    AddOuter(G, (T(-2) * down * part) * along, along);
+    AddOuter(G, ((T(1) + cosine) * part) * across, across);
     beyond.A22 += G;
     beyond.b2 += G * spin;
   }
 
   /// Stiffness k with the friction that it needs at least (S3, S10).
-  static V Damped(const V& k, const V& friction) {
+  [[gnu::always_inline]] static V Damped(const V& k, const V& friction) {
     const V least = T(kLeastFriction) * k;
     return k + (friction > least ? friction : least);
   }
 
   /// What the angles' rates v turn the right end by: T v, T = 1 + c2 [th] + c3 [th]^2 (H5).
-  static Vec EndTurn(const Vec& th, const Vec& v, const V& c2, const V& c3) {
+  [[gnu::always_inline]] static Vec EndTurn(const Vec& th, const Vec& v, const V& c2, const V& c3) {
     const Vec turn = Cross(th, v);
     return v + c2 * turn + c3 * Cross(th, turn);
   }

@@ -387,7 +387,7 @@ template <bool tip, bool root>
 template <typename T, int W>
 void StrandStep<T, W>::Step(int N, const T* constants, const T* drive, T* state, Element* scratch,
                             T* size) {
-  Clamp clamp = ReadClamp(constants, drive);
+  const Clamp clamp = ReadClamp(constants, drive);
   const Constants step = Prepare(constants, drive, clamp.velocity);
   const Vec stiffness = Rows(constants, layout::kStiffness);
   Linearise(N, clamp, step.h, state, scratch);
@@ -409,9 +409,10 @@ void StrandStep<T, W>::Step(int N, const T* constants, const T* drive, T* state,
   }
 
   const V dt = Row(drive, layout::kDuration);
+  Vec velocity = clamp.velocity, spin = clamp.spin;
   V sum{}, largest{};
   for (int Q = 0; Q < N; ++Q) {
-    sum += Advance(dt, element_constants + Q * kConstants, scratch[Q], clamp.velocity, clamp.spin,
+    sum += Advance(dt, element_constants + Q * kConstants, scratch[Q], velocity, spin,
                    state + Q * kState);
     const Vec q = Rows(state + Q * kState, layout::kAngles);
     const V square = Dot(q, q);

@@ -107,27 +107,29 @@ struct Symmetric {
 
 /// A += a b^T, where that is symmetric.
 template <typename V>
-void AddOuter(Symmetric<V>& A, const Vector<V>& a, const Vector<V>& b) {
+[[gnu::always_inline]] inline void AddOuter(Symmetric<V>& A, const Vector<V>& a,
+                                            const Vector<V>& b) {
   A.xx += a.x * b.x, A.xy += a.x * b.y, A.xz += a.x * b.z;
   A.yy += a.y * b.y, A.yz += a.y * b.z, A.zz += a.z * b.z;
 }
 
 /// A += a b^T + b a^T.
 template <typename V>
-void AddTwice(Symmetric<V>& A, const Vector<V>& a, const Vector<V>& b) {
+[[gnu::always_inline]] inline void AddTwice(Symmetric<V>& A, const Vector<V>& a,
+                                            const Vector<V>& b) {
   A.xx += (a.x + a.x) * b.x, A.xy += a.x * b.y + a.y * b.x, A.xz += a.x * b.z + a.z * b.x;
   A.yy += (a.y + a.y) * b.y, A.yz += a.y * b.z + a.z * b.y, A.zz += (a.z + a.z) * b.z;
 }
 
 /// A += a b^T.
 template <typename V>
-void AddOuter(Matrix<V>& A, const Vector<V>& a, const Vector<V>& b) {
+[[gnu::always_inline]] inline void AddOuter(Matrix<V>& A, const Vector<V>& a, const Vector<V>& b) {
   A.x += a.x * b, A.y += a.y * b, A.z += a.z * b;
 }
 
 /// A += [a] + s 1.
 template <typename V>
-void AddCrossMatrix(Matrix<V>& A, const Vector<V>& a, const V& s) {
+[[gnu::always_inline]] inline void AddCrossMatrix(Matrix<V>& A, const Vector<V>& a, const V& s) {
   A.x.x += s, A.x.y -= a.z, A.x.z += a.y;
   A.y.x += a.z, A.y.y += s, A.y.z -= a.x;
   A.z.x -= a.y, A.z.y += a.x, A.z.z += s;
@@ -135,7 +137,8 @@ void AddCrossMatrix(Matrix<V>& A, const Vector<V>& a, const V& s) {
 
 /// S -= A^T B, where that is symmetric.
 template <typename V>
-void SubtractProduct(Symmetric<V>& S, const Matrix<V>& A, const Matrix<V>& B) {
+[[gnu::always_inline]] inline void SubtractProduct(Symmetric<V>& S, const Matrix<V>& A,
+                                                   const Matrix<V>& B) {
   S.xx -= A.x.x * B.x.x + A.y.x * B.y.x + A.z.x * B.z.x;
   S.xy -= A.x.x * B.x.y + A.y.x * B.y.y + A.z.x * B.z.y;
   S.xz -= A.x.x * B.x.z + A.y.x * B.y.z + A.z.x * B.z.z;
@@ -146,7 +149,8 @@ void SubtractProduct(Symmetric<V>& S, const Matrix<V>& A, const Matrix<V>& B) {
 
 /// S -= A^T B.
 template <typename V>
-void SubtractProduct(Matrix<V>& S, const Matrix<V>& A, const Matrix<V>& B) {
+[[gnu::always_inline]] inline void SubtractProduct(Matrix<V>& S, const Matrix<V>& A,
+                                                   const Matrix<V>& B) {
   S.x -= A.x.x * B.x + A.y.x * B.y + A.z.x * B.z;
   S.y -= A.x.y * B.x + A.y.y * B.y + A.z.y * B.z;
   S.z -= A.x.z * B.x + A.y.z * B.y + A.z.z * B.z;
@@ -154,21 +158,22 @@ void SubtractProduct(Matrix<V>& S, const Matrix<V>& A, const Matrix<V>& B) {
 
 /// A += trace(S) 1 - S, the rotational inertia of the second moments S.
 template <typename V>
-void AddInertiaOf(Symmetric<V>& A, const Symmetric<V>& S) {
+[[gnu::always_inline]] inline void AddInertiaOf(Symmetric<V>& A, const Symmetric<V>& S) {
   A.xx += S.yy + S.zz, A.yy += S.xx + S.zz, A.zz += S.xx + S.yy;
   A.xy -= S.xy, A.xz -= S.xz, A.yz -= S.yz;
 }
 
 /// A [d].
 template <typename V>
-Matrix<V> TimesCross(const Symmetric<V>& A, const Vector<V>& d) {
+[[gnu::always_inline]] inline Matrix<V> TimesCross(const Symmetric<V>& A, const Vector<V>& d) {
   const auto row = [&](const V& x, const V& y, const V& z) { return Cross(Vector<V>{x, y, z}, d); };
   return {row(A.xx, A.xy, A.xz), row(A.xy, A.yy, A.yz), row(A.xz, A.yz, A.zz)};
 }
 
 /// A += [d] Y - B^T [d], symmetric where Y = B - S [d] for a symmetric S.
 template <typename V>
-void AddCongruence(Symmetric<V>& A, const Matrix<V>& B, const Matrix<V>& Y, const Vector<V>& d) {
+[[gnu::always_inline]] inline void AddCongruence(Symmetric<V>& A, const Matrix<V>& B,
+                                                 const Matrix<V>& Y, const Vector<V>& d) {
   // [d] Y by rows: d x the columns of Y.
   // B^T [d] by rows: the columns of B, each x d.
   A.xx += d.y * Y.z.x - d.z * Y.y.x - (B.y.x * d.z - B.z.x * d.y);
