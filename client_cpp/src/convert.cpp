@@ -88,6 +88,9 @@ v1::Environment ToProto(const Environment& environment) {
   if (environment.turbulence_speed) out.set_turbulence_speed(*environment.turbulence_speed);
   if (environment.turbulence_size_m) out.set_turbulence_size_m(*environment.turbulence_size_m);
   if (environment.wind_seed) out.set_wind_seed(*environment.wind_seed);
+  if (environment.detail_tolerance_m) {
+    out.set_detail_tolerance_m(*environment.detail_tolerance_m);
+  }
   return out;
 }
 
@@ -147,6 +150,7 @@ void Merge(const Environment& change, Environment& environment) {
   if (change.turbulence_speed) environment.turbulence_speed = change.turbulence_speed;
   if (change.turbulence_size_m) environment.turbulence_size_m = change.turbulence_size_m;
   if (change.wind_seed) environment.wind_seed = change.wind_seed;
+  if (change.detail_tolerance_m) environment.detail_tolerance_m = change.detail_tolerance_m;
 }
 
 }  // namespace mane::inline client

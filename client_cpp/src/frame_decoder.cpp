@@ -141,6 +141,7 @@ Result<std::shared_ptr<const Frame>> FrameDecoder::Decode(const v1::HairFrame& f
   out->newest_pose_time_s = frame.newest_pose_time_s();
   out->step_ms = frame.step_ms();
   out->repaired_guides = frame.repaired_guides();
+  out->stepped_elements = frame.stepped_elements();
   if (frame.has_diagnostics()) {
     const v1::Diagnostics& d = frame.diagnostics();
     out->diagnostics = Diagnostics{d.kinetic_energy_j(), d.elastic_energy_j(), d.gravity_energy_j(),

@@ -126,6 +126,8 @@ TEST_F(E2eErrors, BadHeadOptionsCloseTheHeadWithTheirField) {
        [](HeadOptions& o) {
          o.environment.gravity = Vector3{0, 0, kNaN};
        }},
+      {"open.environment.detail_tolerance_m",
+       [](HeadOptions& o) { o.environment.detail_tolerance_m = -1; }},
       {"open.environment.air_drag_scale",
        [](HeadOptions& o) { o.environment.air_drag_scale = -1; }},
   };

@@ -78,6 +78,7 @@ def test_a_quaternion_within_one_percent_is_normalised(client, groom):
         (mane.Environment(wind_velocity=(101, 0, 0)), "environment.wind_velocity.x"),
         (mane.Environment(gravity=(0, np.nan, 0)), "environment.gravity.y"),
         (mane.Environment(air_drag_scale=-1), "environment.air_drag_scale"),
+        (mane.Environment(detail_tolerance_m=11), "environment.detail_tolerance_m"),
         (mane.Environment(internal_friction_scale=1001), "environment.internal_friction_scale"),
     ],
 )

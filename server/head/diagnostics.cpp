@@ -76,6 +76,7 @@ void Add(const Diagnostics& guide, Diagnostics* all) {
 
 Diagnostics Diagnose(const groom::Groom& groom, const HeadState& state,
                      const Environment& environment, exec::WorkerPool& pool) {
+  if (state.detail.levels) return Diagnose(groom, FullDetail(groom, state), environment, pool);
   std::vector<Diagnostics> guides(groom.guide_count());
   pool.ParallelFor(groom.guide_count(), kGuidesPerPiece, [&](int begin, int end) {
     for (int i = begin; i < end; ++i) {

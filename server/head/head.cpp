@@ -31,6 +31,31 @@ void PutToRest(const groom::Groom& groom, int guide, HeadState* state) {
   groom.batch.SetStill(guide, groom.rest_of(guide), state->guides);
 }
 
+int LevelOf(const HeadState& state, int block) {
+  return state.detail.levels ? state.detail.blocks[block].level : 0;
+}
+
+// Takes all blocks to full detail, and forgets that there was another.
+void StopDetail(const groom::Groom& groom, HeadState* state) {
+  if (!state->detail.levels) return;
+  for (int i = 0; i < std::ssize(groom.batch.blocks()); ++i) {
+    if (LevelOf(*state, i) == 0) continue;
+    SwitchBlock(groom, i, 0, state->pose, state->guides, &state->detail);
+  }
+  state->detail = {};
+}
+
+// After the last step of a movement: what a block shows, and whether its level still suits it.
+void FinishBlock(const groom::Groom& groom, int i, const Movement& movement, double tolerance,
+                 HeadState* state) {
+  Detail& detail = state->detail;
+  if (LevelOf(*state, i) > 0) ShowBlock(groom, i, movement.duration, state->guides, &detail);
+  const int level = ChooseLevel(groom, i, movement.duration, tolerance, state->guides, &detail);
+  if (level != LevelOf(*state, i)) {
+    SwitchBlock(groom, i, level, movement.target, state->guides, &detail);
+  }
+}
+
 // Steps [begin, end) of `steps` equal ones along `movement`, which starts at `from`.
 void SetDrives(const HeadState& from, const Movement& movement, int steps, int begin, int end,
                const Environment& environment, const WindField& wind,
@@ -69,10 +94,22 @@ void SetEddies(const groom::Groom& groom, const rod::Batch<float>::Block& block,
   wind.Evaluate(drive.time, drive.head.p, roots, std::span(*rows).subspan<rod::layout::kWind, 3>());
 }
 
-// All given steps of one block. Returns how many strands had to be put to rest.
-int AdvanceBlock(const groom::Groom& groom, const rod::Batch<float>::Block& block,
-                 std::span<const StepDrive> drives, const WindField& wind, HeadState* state) {
+// One step of one block at its level; bit i is set where lane i failed.
+uint32_t StepAtLevel(const groom::Groom& groom, int i, const Drive& drive, HeadState* state) {
   thread_local rod::BatchScratch scratch;
+  if (LevelOf(*state, i) == 0) {
+    return rod::StepBlock<float>(Kernels(), groom.batch, groom.batch.blocks()[i], drive,
+                                 state->guides, scratch);
+  }
+  const rod::Batch<float>& batch = state->detail.levels->At(i, LevelOf(*state, i)).batch;
+  return rod::StepBlock<float>(Kernels(), batch, batch.blocks()[0], drive,
+                               CoarseState(groom, i, &state->detail), scratch);
+}
+
+// All given steps of block `i`. Returns how many strands had to be put to rest.
+int AdvanceBlock(const groom::Groom& groom, int i, std::span<const StepDrive> drives,
+                 const WindField& wind, HeadState* state) {
+  const rod::Batch<float>::Block& block = groom.batch.blocks()[i];
   Drive windy;
   int repaired = 0;
   for (const StepDrive& drive : drives) {
@@ -80,12 +117,11 @@ int AdvanceBlock(const groom::Groom& groom, const rod::Batch<float>::Block& bloc
       windy = drive.rows;
       SetEddies(groom, block, drive, wind, &windy);
     }
-    const uint32_t failed =
-        rod::StepBlock<float>(Kernels(), groom.batch, block, wind.turbulent() ? windy : drive.rows,
-                              state->guides, scratch);
+    const uint32_t failed = StepAtLevel(groom, i, wind.turbulent() ? windy : drive.rows, state);
     for (int lane = 0; failed != 0 && lane < block.count; ++lane) {
       if ((failed >> lane & 1) == 0) continue;
       PutToRest(groom, block.strands[lane], state);
+      if (LevelOf(*state, i) > 0) RestLane(groom, i, lane, &state->detail);
       ++repaired;
     }
   }
@@ -109,9 +145,8 @@ HeadState AtRest(const groom::Groom& groom, const math::Pose& pose) {
 }
 
 void Reset(const groom::Groom& groom, HeadState* state) {
-  const double time = state->time;
-  *state = AtRest(groom, state->pose);
-  state->time = time;
+  for (Detail::Block& block : state->detail.blocks) block.level = 0, block.calm = 0;
+  for (int guide = 0; guide < groom.guide_count(); ++guide) PutToRest(groom, guide, state);
 }
 
 std::vector<double> Coordinates(const groom::Groom& groom, const HeadState& state) {
@@ -128,7 +163,30 @@ std::vector<double> Coordinates(const groom::Groom& groom, const HeadState& stat
 void Teleport(const groom::Groom& groom, const math::Pose& pose, HeadState* state) {
   const Eigen::Quaterniond turn = pose.q * state->pose.q.conjugate();
   groom.batch.RotateVelocities(turn.toRotationMatrix(), state->guides);
+  for (int i = 0; i < std::ssize(groom.batch.blocks()); ++i) {
+    if (LevelOf(*state, i) == 0) continue;
+    state->detail.levels->At(i, LevelOf(*state, i))
+        .batch.RotateVelocities(turn.toRotationMatrix(), CoarseState(groom, i, &state->detail));
+  }
+  state->detail.velocity = turn * state->detail.velocity;
+  state->detail.spin = turn * state->detail.spin;
   state->pose = pose;
+}
+
+HeadState FullDetail(const groom::Groom& groom, HeadState state) {
+  StopDetail(groom, &state);
+  return state;
+}
+
+int SteppedElements(const groom::Groom& groom, const HeadState& state) {
+  int elements = 0;
+  for (int i = 0; i < std::ssize(groom.batch.blocks()); ++i) {
+    const auto& block = groom.batch.blocks()[i];
+    const int level = LevelOf(state, i);
+    elements +=
+        block.count * (level == 0 ? block.elements : state.detail.levels->At(i, level).elements);
+  }
+  return elements;
 }
 
 StepReport Advance(const groom::Groom& groom, const Movement& movement,
@@ -138,19 +196,30 @@ StepReport Advance(const groom::Groom& groom, const Movement& movement,
   if ((movement.target.p - state->pose.p).norm() > kFastestHead * movement.duration) {
     Teleport(groom, movement.target, state);
   }
+  const bool detail = environment.detail_tolerance > 0;
+  if (!detail) StopDetail(groom, state);
+  if (detail && !state->detail.levels) StartDetail(groom, pool, &state->detail);
   thread_local std::vector<StepDrive> own_drives;
   std::vector<StepDrive>& drives = own_drives;
   const WindField wind(environment.wind, environment.wind_variation);
   const int steps = StepCount(movement);
-  const auto blocks = groom.batch.blocks();
+  const int blocks = static_cast<int>(groom.batch.blocks().size());
+  if (detail) {
+    const Eigen::Quaterniond turn = movement.target.q * state->pose.q.conjugate();
+    state->detail.velocity = (movement.target.p - state->pose.p) / movement.duration;
+    state->detail.spin = math::RotationVector(turn) / movement.duration;
+  }
   std::atomic<int> repaired = 0;
   for (int begin = 0; begin < steps; begin += kStepsAtOnce) {
     const int end = std::min(steps, begin + kStepsAtOnce);
     SetDrives(*state, movement, steps, begin, end, environment, wind, &drives);
     const std::span<const StepDrive> now = std::span(drives).first(end - begin);
-    pool.ParallelFor(static_cast<int>(blocks.size()), kBlocksPerPiece, [&](int first, int last) {
-      for (int i = first; i < last; ++i)
-        repaired += AdvanceBlock(groom, blocks[i], now, wind, state);
+    pool.ParallelFor(blocks, kBlocksPerPiece, [&](int first, int last) {
+      for (int i = first; i < last; ++i) {
+        repaired += AdvanceBlock(groom, i, now, wind, state);
+        if (detail && end == steps)
+          FinishBlock(groom, i, movement, environment.detail_tolerance, state);
+      }
     });
   }
   state->pose = movement.target;

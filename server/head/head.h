@@ -6,6 +6,7 @@
 
 #include "exec/worker_pool.h"
 #include "groom/groom.h"
+#include "head/detail.h"
 #include "head/wind.h"
 #include "math/rigid.h"
 #include "rod/batch.h"
@@ -17,6 +18,9 @@ namespace mane::head {
 /// varies.
 struct Environment : rod::Surroundings {
   WindVariation wind_variation;
+  /// How far tips may be off [m] where blocks of guides that bend little are stepped with fewer
+  /// elements (rod.md, Detail); 0 for full detail.
+  double detail_tolerance = 0;
 };
 
 /// Every mutable number of one animated head. One owner at a time; copy it to keep a checkpoint.
@@ -24,6 +28,7 @@ struct HeadState {
   double time = 0;                      ///< Simulated so far [s]; what the wind varies by.
   math::Pose pose;                      ///< head -> world: where the roots are clamped.
   std::vector<rod::Row<float>> guides;  ///< As Groom::batch packs them, (state_rows).
+  Detail detail;                        ///< Which of them are stepped with fewer elements.
 };
 
 /// The groom's rest shape on a head at `pose`, standing still.
@@ -52,6 +57,13 @@ struct Movement {
 
 /// A head that moves faster [m/s] has been cut to another place: it is teleported there.
 inline constexpr double kFastestHead = 300;
+
+/// A copy of `state` with every block at full detail: the same shapes and rates, velocities that go
+/// with them.
+[[nodiscard]] HeadState FullDetail(const groom::Groom& groom, HeadState state);
+
+/// Elements that the next step will take, of all guides.
+[[nodiscard]] int SteppedElements(const groom::Groom& groom, const HeadState& state);
 
 /// Time steps that a movement takes.
 [[nodiscard]] int StepCount(const Movement& movement);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "groom/assemble.h"
+#include "groom/generate.h"
 #include "groom/validate.h"
 
 namespace mane::head {
@@ -35,6 +36,20 @@ std::shared_ptr<const groom::Groom> SampleGroom(int guides, int elements) {
     }
     parts.guides.push_back(*groom::MakeGuide(description, i));
   }
+  return *groom::Assemble(std::move(parts), {}, nullptr);
+}
+
+std::shared_ptr<const groom::Groom> GeneratedGroom(groom::HairType type, int guides, double length,
+                                                   int elements) {
+  groom::Generation generation;
+  generation.hair_type = type;
+  generation.guide_count = static_cast<uint32_t>(guides);
+  generation.length_m = length;
+  generation.element_count = static_cast<uint32_t>(elements);
+  generation.seed = 3;
+  groom::Parts parts;
+  parts.scalp = groom::Ellipsoid{{0, 0.1, 0.02}, {0.078, 0.11, 0.098}, {0, 1, -0.3}, 1.4};
+  parts.guides = *groom::Generate(parts.scalp, generation, {});
   return *groom::Assemble(std::move(parts), {}, nullptr);
 }
 

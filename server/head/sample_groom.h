@@ -11,4 +11,8 @@ namespace mane::head {
 /// axis.
 [[nodiscard]] std::shared_ptr<const groom::Groom> SampleGroom(int guides, int elements);
 
+/// Guides of a preset, generated on the upper part of an ellipsoid the size of a head.
+[[nodiscard]] std::shared_ptr<const groom::Groom> GeneratedGroom(groom::HairType type, int guides,
+                                                                 double length, int elements);
+
 }  // namespace mane::head

@@ -68,14 +68,15 @@ layout::Kind KindOf(const WoundState& /*state*/) { return layout::Kind::kWound; 
 }  // namespace
 
 template <typename T>
-Batch<T>::Batch(std::span<const RootedStrand> strands) : places_(strands.size()) {
+Batch<T>::Batch(std::span<const RootedStrand> strands, Grouping grouping)
+    : places_(strands.size()) {
   std::vector<int> order(strands.size());
   std::iota(order.begin(), order.end(), 0);
   const auto group = [&](int i) {
     return std::pair(strands[i].wound != nullptr, strands[i].strand->elements());
   };
   const auto key = [&](int i) { return std::pair(group(i), WindingClass(*strands[i].strand)); };
-  std::ranges::stable_sort(order, {}, key);
+  if (grouping == Grouping::kByWinding) std::ranges::stable_sort(order, {}, key);
 
   size_t constant_rows = 0;
   for (size_t i = 0; i < order.size();) {

@@ -48,9 +48,15 @@ class Batch {
     size_t state;                             ///< First row in a state.
   };
 
+  /// Which strands share a block.
+  enum class Grouping {
+    kByWinding,  ///< Those of equal N that wind about as far within an element.
+    kAsGiven,    ///< Neighbours of equal N, lane by lane in the order given.
+  };
+
   Batch() = default;
   /// Strands are grouped by kind and N, then by how far they wind within an element.
-  explicit Batch(std::span<const RootedStrand> strands);
+  explicit Batch(std::span<const RootedStrand> strands, Grouping grouping = Grouping::kByWinding);
 
   [[nodiscard]] std::span<const Block> blocks() const { return blocks_; }
   [[nodiscard]] size_t state_rows() const { return state_rows_; }

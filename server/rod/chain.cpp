@@ -4,6 +4,7 @@
 
 #include "base/check.h"
 #include "math/quadrature.h"
+#include "rod/scheme.h"
 
 namespace mane::rod {
 
@@ -23,6 +24,28 @@ std::vector<ElementFrame> ElementFrames(const Strand& strand, const math::Pose& 
     frames[Q + 1].R = frames[Q].R * end.E;
   }
   return frames;
+}
+
+void GaussVelocities(std::span<const double> length, const math::Pose& clamp,
+                     const Vector3d& velocity, const Vector3d& spin,
+                     std::span<const Vector3d> theta, std::span<const Vector3d> rate,
+                     std::span<Vector3d> result) {
+  const size_t N = length.size();
+  MANE_CHECK(theta.size() == N && rate.size() == N && result.size() == N * kGaussPoints);
+  Matrix3d R = clamp.q.toRotationMatrix();
+  Vector3d rdot = velocity, omega = spin;  // Of the left end (H9).
+  for (size_t Q = 0; Q < N; ++Q) {
+    const double l = length[Q];
+    for (int g = 0; g < kGaussPoints; ++g) {
+      const ElementPoint point = PointOnElement(theta[Q], kGauss.nodes[g]);
+      result[Q * kGaussPoints + g] =
+          rdot + omega.cross(l * (R * point.p)) + l * (R * (point.J * rate[Q]));
+    }
+    const ElementEnd end = EndOfElement(theta[Q]);
+    rdot += omega.cross(l * (R * end.p)) + l * (R * (end.J * rate[Q]));
+    omega += R * (end.T * rate[Q]);
+    R = R * end.E;
+  }
 }
 
 ArcPosition Locate(const Strand& strand, double s) {

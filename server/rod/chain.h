@@ -43,6 +43,14 @@ struct PointKinematics {
 [[nodiscard]] PointKinematics PointAt(const Strand& strand, const math::Pose& clamp,
                                       std::span<const Eigen::Vector3d> theta, ArcPosition where);
 
+/// Velocities at the Gauss points of every element (StrandState::velocity) of a strand of `length`
+/// [m] (N) that moves with its clamp's `velocity` [m/s] and `spin` [rad/s] and changes its angles
+/// at `rate` [rad/s] (N): the field B V + J v of S4. O(N).
+void GaussVelocities(std::span<const double> length, const math::Pose& clamp,
+                     const Eigen::Vector3d& velocity, const Eigen::Vector3d& spin,
+                     std::span<const Eigen::Vector3d> theta, std::span<const Eigen::Vector3d> rate,
+                     std::span<Eigen::Vector3d> result);
+
 /// Inertia matrix of (6) for a clamp at rest, int rho S J^T J ds [kg m^2], (3N x 3N), by
 /// `points`-point Gauss quadrature in each element. Dense, for checks and modal analysis.
 /// [SH06] footnote 3 prints a factor 1/2, a double integral and no rho S; (4) and (5b) give this.

@@ -104,6 +104,8 @@ TEST_F(AnimateTest, EveryBadFieldIsNamedAndOthersGoOn) {
        [](auto* r) { r->mutable_environment()->mutable_wind_velocity()->set_x(101); }},
       {"environment.internal_friction_scale",
        [](auto* r) { r->mutable_environment()->set_internal_friction_scale(-1); }},
+      {"environment.detail_tolerance_m",
+       [](auto* r) { r->mutable_environment()->set_detail_tolerance_m(11); }},
       {"environment.air_drag_scale",
        [](auto* r) { r->mutable_environment()->set_air_drag_scale(kInfinity); }},
       {"open", [this](auto* r) { *r->mutable_open() = LockstepOf(groom_); }},

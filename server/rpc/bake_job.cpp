@@ -147,6 +147,7 @@ Result<void> RunBake(GroomLibrary& grooms, exec::WorkerPool& pool, jobs::JobCont
     frame.pose = state.pose;
     frame.data = head::EncodeFrame(groom, state, bake->view, pool);
     frame.repaired_guides = report.repaired_guides;
+    frame.stepped_elements = head::SteppedElements(groom, state);
     FromFrame(frame, 0, chunk.add_frames());
     if (chunk.ByteSizeLong() >= kChunkBytes || i + 1 == bake->motion.size()) {
       if (const auto ok = context.AppendResult(chunk.SerializeAsString()); !ok) return ok;

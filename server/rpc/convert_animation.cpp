@@ -10,6 +10,7 @@ namespace {
 constexpr double kMaxWind = 100;
 constexpr double kMaxGravity = 1000;
 constexpr double kMaxScale = 1000;
+constexpr double kMaxDetailTolerance = 10;  // [m]
 constexpr size_t kMaxRequestId = 64;
 
 // Zero stands for the default.
@@ -119,6 +120,12 @@ Result<session::EnvironmentCommand> ToEnvironmentCommand(const v1::Environment& 
   if (message.has_air_drag_scale()) {
     change.air_drag_scale = message.air_drag_scale();
     const auto ok = CheckRange(field + ".air_drag_scale", message.air_drag_scale(), 0, kMaxScale);
+    if (!ok) return ok.error();
+  }
+  if (message.has_detail_tolerance_m()) {
+    change.detail_tolerance = message.detail_tolerance_m();
+    const auto ok = CheckRange(field + ".detail_tolerance_m", message.detail_tolerance_m(), 0,
+                               kMaxDetailTolerance);
     if (!ok) return ok.error();
   }
   if (const auto ok = ToWindVariation(message, field, &change); !ok) return ok.error();
@@ -233,6 +240,7 @@ void FromFrame(const session::Frame& frame, uint32_t skipped, v1::HairFrame* mes
   message->set_newest_pose_time_s(frame.newest_pose_time);
   message->set_step_ms(1e3 * frame.step_seconds);
   message->set_repaired_guides(static_cast<uint32_t>(frame.repaired_guides));
+  message->set_stepped_elements(static_cast<uint32_t>(frame.stepped_elements));
   if (!frame.diagnostics) return;
   v1::Diagnostics* diagnostics = message->mutable_diagnostics();
   diagnostics->set_kinetic_energy_j(frame.diagnostics->kinetic_energy);

@@ -48,6 +48,7 @@ struct EnvironmentCommand {
   std::optional<double> turbulence_speed = std::nullopt;
   std::optional<double> turbulence_size = std::nullopt;
   std::optional<uint64_t> wind_seed = std::nullopt;
+  std::optional<double> detail_tolerance = std::nullopt;
 };
 
 inline void Apply(const EnvironmentCommand& change, head::Environment* environment) {
@@ -62,6 +63,7 @@ inline void Apply(const EnvironmentCommand& change, head::Environment* environme
   wind.turbulence_speed = change.turbulence_speed.value_or(wind.turbulence_speed);
   wind.turbulence_size = change.turbulence_size.value_or(wind.turbulence_size);
   wind.seed = change.wind_seed.value_or(wind.seed);
+  environment->detail_tolerance = change.detail_tolerance.value_or(environment->detail_tolerance);
 }
 
 using Command = std::variant<PoseCommand, ResetCommand, EnvironmentCommand>;

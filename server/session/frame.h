@@ -19,6 +19,7 @@ struct Frame {
   double newest_pose_time = 0;  ///< Newest pose known then, client's clock [s].
   double step_seconds = 0;      ///< Computing time.
   int repaired_guides = 0;      ///< See head::StepReport.
+  int stepped_elements = 0;     ///< See head::SteppedElements.
   std::optional<head::Diagnostics> diagnostics;  ///< Where HeadOptions asks for them.
 };
 using FramePtr = std::shared_ptr<const Frame>;

@@ -182,6 +182,7 @@ std::shared_ptr<Frame> HeadSession::MakeFrame(double time, double newest_pose_ti
   }
   frame->newest_pose_time = newest_pose_time;
   frame->repaired_guides = std::exchange(repaired_, 0);
+  frame->stepped_elements = head::SteppedElements(*groom_, state_);
   frame->step_seconds = base::SteadySeconds() - started;
   return frame;
 }

@@ -50,6 +50,9 @@ struct Environment {
   std::optional<double> turbulence_size_m = std::nullopt;
   /// Decides gusts and eddies; first 0.
   std::optional<std::uint64_t> wind_seed = std::nullopt;
+  /// How far tips may be off [m], 0 to 10, where hair that hardly bends is computed with fewer
+  /// elements, without a jump; first 0, for all elements. For heads far away.
+  std::optional<double> detail_tolerance_m = std::nullopt;
 };
 
 /// How to animate a head. Zeros let the server choose.
@@ -102,10 +105,11 @@ struct Frame {
   /// what the coil is twisted by, how its axis bends about two axes across, what the hair's strain
   /// gains towards its tangent, which stretches the coil; each over the element's length.
   std::vector<float> angles;
-  std::uint32_t skipped = 0;          ///< Frames that newer ones replaced since the last one sent.
-  double newest_pose_time_s = 0;      ///< Your clock: the newest pose known when it was computed.
-  double step_ms = 0;                 ///< Time the server spent on computing it.
-  std::uint32_t repaired_guides = 0;  ///< Guides put back to rest; above 0 is a server fault.
+  std::uint32_t skipped = 0;           ///< Frames that newer ones replaced since the last one sent.
+  double newest_pose_time_s = 0;       ///< Your clock: the newest pose known when it was computed.
+  double step_ms = 0;                  ///< Time the server spent on computing it.
+  std::uint32_t repaired_guides = 0;   ///< Guides put back to rest; above 0 is a server fault.
+  std::uint32_t stepped_elements = 0;  ///< Computed with, of all guides (detail_tolerance_m).
   std::optional<Diagnostics> diagnostics = {};  ///< Where HeadOptions::diagnostics asked for them.
 };
 

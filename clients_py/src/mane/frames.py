@@ -73,6 +73,8 @@ class Frame:
         clock [s].
       step_ms: time that the server spent on the frame [ms].
       repaired_guides: guides that the server put back to rest because of a fault of its own.
+      stepped_elements: elements that the hair is computed with, of all guides: fewer than it has
+        where `Environment.detail_tolerance_m` allows it.
       diagnostics: energies and the like; None unless the head was opened with `diagnostics`.
       angles: coordinates of each guide, float32 [rad]: (element, 3) twist, bend 1, bend 2; of WOUND
         guides (element, 4) length times (u, b1, b2, xi) of `mane.helix`. None unless the format is
@@ -87,6 +89,7 @@ class Frame:
     newest_pose_time_s: float = 0.0
     step_ms: float = 0.0
     repaired_guides: int = 0
+    stepped_elements: int = 0
     diagnostics: Diagnostics | None = None
     angles: tuple[np.ndarray, ...] | None = None
 

@@ -85,6 +85,7 @@ def environment(value: Environment) -> animation_pb2.Environment:
         turbulence_speed=value.turbulence_speed,
         turbulence_size_m=value.turbulence_size_m,
         wind_seed=value.wind_seed,
+        detail_tolerance_m=value.detail_tolerance_m,
     )
     if value.wind_velocity is not None:
         message.wind_velocity.CopyFrom(vector3(value.wind_velocity, "wind_velocity"))

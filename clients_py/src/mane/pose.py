@@ -46,6 +46,9 @@ class Environment:
       turbulence_speed: rms speed of eddies [m/s], 0 to 50; at first 0.
       turbulence_size_m: their middle size [m], 0.01 to 100; at first 0.3.
       wind_seed: decides gusts and eddies; at first 0.
+      detail_tolerance_m: how far tips may be off [m], 0 to 10, where hair that hardly bends is
+        computed with fewer elements, without a jump; at first 0, for all elements. For heads far
+        away.
     """
 
     wind_velocity: ArrayLike | None = None
@@ -57,6 +60,7 @@ class Environment:
     turbulence_speed: float | None = None
     turbulence_size_m: float | None = None
     wind_seed: int | None = None
+    detail_tolerance_m: float | None = None
 
 
 def choice(field: str, enum_class, value):

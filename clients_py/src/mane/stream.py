@@ -136,6 +136,7 @@ def from_hair_frame(message: animation_pb2.HairFrame, decoder: FrameDecoder) -> 
         newest_pose_time_s=message.newest_pose_time_s,
         step_ms=message.step_ms,
         repaired_guides=message.repaired_guides,
+        stepped_elements=message.stepped_elements,
         diagnostics=_diagnostics(message),
         angles=angles,
     )
