@@ -72,6 +72,9 @@ def test_every_parameter_of_a_guide_comes_back(keep, client):
             if field.name in ("length_m", "element_count", "element_lengths_m", "root_frame"):
                 continue
             values = [getattr(g, field.name) for g in (sent, back)]
+            if field.name == "model":
+                assert values[0] == values[1]
+                continue
             if field.name.startswith("natural"):  # One for all, or one per element.
                 values = [np.broadcast_to(v, count) for v in values]
             np.testing.assert_allclose(*values, rtol=1e-12, err_msg=field.name)
