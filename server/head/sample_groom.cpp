@@ -10,7 +10,7 @@
 
 namespace mane::head {
 
-std::shared_ptr<const groom::Groom> SampleGroom(int guides, int elements) {
+std::shared_ptr<const groom::Groom> SampleGroom(int guides, int elements, SampleHair hair) {
   groom::Parts parts;
   for (int i = 0; i < guides; ++i) {
     const double angle = 2 * std::numbers::pi * i / guides;
@@ -29,7 +29,7 @@ std::shared_ptr<const groom::Groom> SampleGroom(int guides, int elements) {
     description.air_drag = 5e-6;
     description.natural_curvature_1 = {i % 2 == 0 ? 0.0 : 60.0};
     description.natural_twist = {i % 2 == 0 ? 0.0 : 15.0};
-    if (i % 4 == 3) {
+    if (hair == SampleHair::kWound || (hair == SampleHair::kMixed && i % 4 == 3)) {
       description.natural_curvature_1 = {600};
       description.natural_twist = {500};
       description.model = groom::StrandModel::kWound;

@@ -54,20 +54,17 @@ double Median(double seconds, const std::function<void(int)>& work) {
 // Guides of the sample groom, `count` of them with N elements, once more as plain strands.
 class Strands {
  public:
-  Strands(int count, int N) : groom_(head::SampleGroom(std::min(count, 1000), N)) {
+  Strands(int count, int N, head::SampleHair hair = head::SampleHair::kPlain)
+      : groom_(head::SampleGroom(std::min(count, 1000), N, hair)) {
     std::vector<rod::RootedStrand> rooted;
     for (int i = 0; i < count; ++i) {
       const groom::Guide& guide = groom_->guides[i % groom_->guide_count()];
-      rooted.push_back({&guide.strand, guide.root});
+      rooted.push_back({&guide.strand, guide.root, guide.wound ? &*guide.wound : nullptr});
     }
     batch_ = rod::Batch<float>(rooted);
     state_.resize(batch_.state_rows());
-    std::vector<Vector3d> zero(N * rod::kGaussPoints, Vector3d::Zero());
     for (int i = 0; i < count; ++i) {
-      const int first = groom_->first_element[i % groom_->guide_count()];
-      std::vector<Vector3d> theta(groom_->rest_theta.begin() + first,
-                                  groom_->rest_theta.begin() + first + N);
-      batch_.SetStrand(i, {theta, std::span(zero).first(N), zero}, state_);
+      batch_.SetStill(i, groom_->rest_of(i % groom_->guide_count()), state_);
     }
   }
 
@@ -84,9 +81,10 @@ class Strands {
   }
 
   [[nodiscard]] double StateBytes() const {
-    const size_t constants = rod::layout::ConstantsSize(batch_.blocks()[0].elements);
-    return static_cast<double>(state_.size() * sizeof(rod::Row<float>) +
-                               batch_.blocks().size() * constants * sizeof(float)) /
+    const auto& block = batch_.blocks()[0];
+    const size_t constants = rod::layout::ConstantRows(block.kind, block.elements);
+    return static_cast<double>((state_.size() + batch_.blocks().size() * constants) *
+                               sizeof(rod::Row<float>)) /
            batch_.strand_count();
   }
   [[nodiscard]] const groom::Groom& groom() const { return *groom_; }
@@ -103,9 +101,13 @@ class Strands {
 // Microseconds a strand-step of rod::Step.
 double Reference(int N) {
   constexpr int kCount = 64;
-  const auto groom = head::SampleGroom(kCount, N);
-  std::vector<Vector3d> theta = groom->rest_theta, rate(theta.size(), Vector3d::Zero()),
-                        velocity(theta.size() * rod::kGaussPoints, Vector3d::Zero());
+  const auto groom = head::SampleGroom(kCount, N, head::SampleHair::kPlain);
+  std::vector<Vector3d> theta(groom->element_count());
+  for (size_t Q = 0; Q < theta.size(); ++Q) {
+    theta[Q] = Eigen::Map<const Vector3d>(&groom->rest[3 * Q]);
+  }
+  std::vector<Vector3d> rate(theta.size(), Vector3d::Zero()),
+      velocity(theta.size() * rod::kGaussPoints, Vector3d::Zero());
   rod::StepScratch scratch;
   const double seconds = Median(1, [&](int i) {
     for (int g = 0; g < kCount; ++g) {
@@ -170,6 +172,12 @@ int Main() {
     by_strands[count] = Strands(count, 5).Step(best, 1) / count * 1e6;
   }
   for (const int N : {5, 10}) by_reference[N] = Reference(N);
+  std::map<int, double> by_wound;
+  for (const int N : {5, 10}) {
+    Strands strands(kCount, N, head::SampleHair::kWound);
+    by_wound[N] = strands.Step(best, 1) / kCount * 1e6;
+    failed |= strands.failed();
+  }
   std::map<int, double> head_over_kernel;
   for (const int guides : {100, 1000}) {
     Strands strands(guides, 5);
@@ -202,12 +210,12 @@ int Main() {
       "{{\"isa\": \"{}\", \"us_per_strand_step\": {}, \"us_per_strand_step_by_isa\": {{{}}}, "
       "\"avx2_over_avx512\": {:.3g}, \"reference_us\": {}, \"scalar_double_over_best\": {}, "
       "\"head_step_over_kernel\": {}, \"diagnostics_over_step\": {}, \"state_bytes_n5\": {:.4g}, "
-      "\"us_by_elements\": {}, "
+      "\"us_by_elements\": {}, \"us_wound\": {}, \"wound_over_plain_n10\": {:.3g}, "
       "\"linear_in_n\": {:.3g}, \"us_by_strands\": {}, \"linear_in_strands\": {:.3g}}}\n",
       simd::Name(best), object(fastest), all, avx_ratio, object(by_reference), object(speedup),
       object(head_over_kernel), object(diagnostics_over_step), Strands(kCount, 5).StateBytes(),
-      object(by_elements), Nonlinearity(by_elements), object(by_strands),
-      by_strands[100000] / by_strands[1000]);
+      object(by_elements), object(by_wound), by_wound[10] / fastest.at(10),
+      Nonlinearity(by_elements), object(by_strands), by_strands[100000] / by_strands[1000]);
   return failed ? 1 : 0;
 }
 

@@ -5,7 +5,8 @@ N = 5 and 10 elements for the fastest instruction set and for each; AVX2 over AV
 double-precision reference over the fastest; a whole head step (pose in, 16 positions a guide out)
 over the kernel alone, for 100 and 1000 guides; the diagnostics of a frame over one step of the
 kernel, at N = 5 and 10; bytes of a strand; the largest relative distance of the cost from a
-straight line over N = 5 to 40; the cost of a strand among 100,000 over one among 1,000.
+straight line over N = 5 to 40; the cost of a strand among 100,000 over one among 1,000; wound strands, and
+one of 10 elements over a plain one of 10.
 tests/bench/run builds what it needs.
 """
 
@@ -35,6 +36,8 @@ def main() -> None:
         "by elements:  " + "  ".join(f"{n}: {t:.3f}" for n, t in result["us_by_elements"].items())
     )
     print("by strands:   " + "  ".join(f"{n}: {t:.3f}" for n, t in result["us_by_strands"].items()))
+    wound = result["us_wound"]
+    print(f"  {'wound':<20}{wound['5']:>9.3f}{wound['10']:>10.3f}")
     print(f"a head step over the kernel: {result['head_step_over_kernel']}")
     print(f"diagnostics over a step of the kernel: {result['diagnostics_over_step']}")
     print(json.dumps(result))
