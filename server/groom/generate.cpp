@@ -148,8 +148,8 @@ Result<std::vector<Guide>> Generate(const Scalp& scalp, const Generation& genera
     SetNatural(CurlVariation(mean, generation.curl_variation, lengths, random), &d);
     auto guide = MakeGuide(d, i);
     if (!guide) return guide.error();
-    // One whose curl varies too much for that stays plain, unless it was asked for.
-    if (wound && (generation.model || rod::IsWound(guide->strand))) {
+    // One whose curl varies too much for that stays plain.
+    if (wound && rod::IsWound(guide->strand)) {
       if (auto made = MakeWound(i, &*guide); !made) return made.error();
     }
     guides.push_back(*std::move(guide));

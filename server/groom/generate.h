@@ -24,7 +24,8 @@ struct Generation {
   uint64_t seed = 0;
   double curl_variation = 0.05;  ///< Standard deviation, relative; see CurlVariation.
   double root_droop = 0.3;
-  /// Where absent, guides that rod::IsWound says so of are wound, in hair that is so on average.
+  /// Where absent, kWound where rod::IsWound says so of hair of even curl. Guides whose own curl
+  /// varies too much for that are plain all the same.
   std::optional<StrandModel> model = std::nullopt;
 };
 

@@ -327,7 +327,11 @@ TEST(GenerateTest, TightCurlsAreWoundUnlessAskedOtherwise) {
   generation.model = StrandModel::kSuperHelix;
   EXPECT_EQ(wound(HairType::kAfricanFuzzy, 0.1), 0);
   generation.model = StrandModel::kWound;
-  EXPECT_EQ(wound(HairType::kCaucasianWavy, 0.3), 8);
+  EXPECT_EQ(wound(HairType::kCaucasianWavy, 0.35), 8);  // 5.6 turns; of itself it would be plain.
+  // Curl that varies by its own size is no coil.
+  generation.curl_variation = 1;
+  EXPECT_LT(wound(HairType::kAfricanFuzzy, 0.1), 8);
+  generation.curl_variation = 0.05;
   generation.hair_type = HairType::kAsianSmooth;
   const auto straight = Generate(scalp, generation, {});
   ASSERT_FALSE(straight);

@@ -78,6 +78,8 @@ struct Groom {
   [[nodiscard]] int guide_count() const { return static_cast<int>(guides.size()); }
   [[nodiscard]] int element_count() const { return first_element.back(); }
   [[nodiscard]] int coordinate_count() const { return first_coordinate.back(); }
+  /// Plain elements that a time step costs as much as: a wound one costs two (tests/bench/run rod).
+  [[nodiscard]] int stepped_elements() const { return coordinate_count() - 2 * element_count(); }
   [[nodiscard]] std::span<const double> rest_of(int guide) const {
     return std::span(rest).subspan(first_coordinate[guide], guides[guide].coordinate_count());
   }

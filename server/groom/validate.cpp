@@ -165,12 +165,15 @@ Result<void> CheckModel(const std::string& field, StrandModel model) {
 }
 
 Result<void> MakeWound(int index, Guide* guide) {
-  if (rod::NaturalTurns(guide->strand) == 0) {
+  if (!rod::IsWound(guide->strand)) {
     const std::string field = fmt::format("guides[{}].model", index);
-    return InvalidArgument(field,
-                           field +
-                               " is WOUND, but an element has no natural curvature to wind by: "
-                               "set natural_curvature_1 or 2 in all, or use SUPER_HELIX");
+    return InvalidArgument(
+        field,
+        fmt::format("{} is WOUND, but the natural shape, of {:.3g} turns in {} elements, is no "
+                    "coil for that: it must turn 5 times or more, more than half a turn an "
+                    "element and 0.2 in each, and its axis by at most 0.5 rad from one to the "
+                    "next; use fewer elements, more even curvatures, or SUPER_HELIX",
+                    field, rod::NaturalTurns(guide->strand), guide->strand.elements()));
   }
   guide->wound = rod::MakeWound(guide->strand);
   return {};

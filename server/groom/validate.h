@@ -58,8 +58,8 @@ struct GuideDescription {
 
 /// Makes `guide` a wound strand.
 ///
-/// @param index  as for MakeGuide. @return INVALID_ARGUMENT naming `guides[<index>].model` where an
-/// element has no natural curvature, so that there is no coil.
+/// @param index  as for MakeGuide. @return INVALID_ARGUMENT naming `guides[<index>].model` unless
+/// rod::IsWound says that its natural shape is a coil for that.
 [[nodiscard]] Result<void> MakeWound(int index, Guide* guide);
 
 /// The inverse: MakeGuide(Describe(guide)) equals `guide` bit for bit, if MakeGuide made it. Lists

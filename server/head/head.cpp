@@ -35,14 +35,14 @@ int LevelOf(const HeadState& state, int block) {
   return state.detail.levels ? state.detail.blocks[block].level : 0;
 }
 
-// Takes all blocks to full detail, and forgets that there was another.
+// Takes all blocks to full detail. The levels stay, as they take time to make.
 void StopDetail(const groom::Groom& groom, HeadState* state) {
   if (!state->detail.levels) return;
   for (int i = 0; i < std::ssize(groom.batch.blocks()); ++i) {
+    state->detail.blocks[i].calm = 0;
     if (LevelOf(*state, i) == 0) continue;
     SwitchBlock(groom, i, 0, state->pose, state->guides, &state->detail);
   }
-  state->detail = {};
 }
 
 // After the last step of a movement: what a block shows, and whether its level still suits it.

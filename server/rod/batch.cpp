@@ -265,7 +265,7 @@ void Batch<T>::GetCoordinates(int strand, std::span<const Row<T>> state,
 
 template <typename T>
 void Batch<T>::RotateVelocities(const Matrix3d& turn, std::span<Row<T>> state) const {
-  const Eigen::Matrix<T, 3, 3> R = turn.cast<T>();
+  Eigen::Matrix<T, 3, 3> R = turn.cast<T>();
   for (const Block& block : blocks_) {
     const StateLayout at = StateOf(block.kind);
     for (int i = 0; i < block.elements * kGaussPoints; ++i) {

@@ -18,6 +18,10 @@ using Eigen::Vector3d;
 constexpr double kLeastTurns = 5;
 // Plain elements follow a coil of half a turn each.
 constexpr double kTurnsPerElement = 0.5;
+// An element that hardly winds has a coil as wide as it is long, and a loading may unwind it.
+constexpr double kLeastTurnsOfElement = 0.2;
+// Nearly pure twist has no coil to speak of, and no direction of one.
+constexpr double kLeastSlant = 1e-3;
 
 // Geometry of all elements at the extrapolated unknowns, root to tip (S2, C4 to C8).
 void Linearise(const WoundStrand& wound, const Matrix3d& root, double h, const WoundState& state,
@@ -91,6 +95,11 @@ double NaturalTurns(const Strand& strand) {
 bool IsWound(const Strand& strand) {
   const double turns = NaturalTurns(strand);
   if (!(turns > kTurnsPerElement * strand.elements() && turns >= kLeastTurns)) return false;
+  for (int Q = 0; Q < strand.elements(); ++Q) {
+    const double winding = strand.natural[Q].norm();
+    if (winding * strand.length[Q] < 2 * M_PI * kLeastTurnsOfElement) return false;
+    if (strand.natural[Q].tail<2>().norm() < kLeastSlant * winding) return false;
+  }
   const std::vector<Coil> coils = CoilsOf(strand);
   for (size_t Q = 1; Q < coils.size(); ++Q) {
     if (Eigen::AngleAxisd(coils[Q - 1].F.transpose() * coils[Q].F).angle() > kLargestKink) {

@@ -21,8 +21,9 @@ inline constexpr double kLargestKink = 0.5;
 [[nodiscard]] double NaturalTurns(const Strand& strand);
 
 /// Whether a strand is better modelled along its coil's axis (coil.md, Which strands): it winds
-/// more often than its elements can follow, often enough that a coil's ends matter little, and its
-/// axis turns at no joint by more than kLargestKink.
+/// more often than its elements can follow, often enough that a coil's ends matter little, no
+/// element less than a fifth of a turn or with hardly a bend, and its axis turns at no joint by
+/// more than kLargestKink.
 [[nodiscard]] bool IsWound(const Strand& strand);
 
 /// Constant description of a wound strand: the strand, and the coil of each element's natural

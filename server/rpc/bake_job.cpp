@@ -105,7 +105,7 @@ Result<void> AdmitBake(const groom::Groom& groom, const Bake& bake) {
   }
   for (size_t i = 1; i < bake.motion.size(); ++i) {
     const head::Movement movement{{}, bake.motion[i].time - bake.motion[i - 1].time, bake.substeps};
-    const double work = static_cast<double>(groom.element_count()) * head::StepCount(movement);
+    const double work = static_cast<double>(groom.stepped_elements()) * head::StepCount(movement);
     if (work > kMaxFrameWork) {
       return Error{ErrorCode::kResourceExhausted,
                    fmt::format("frame {} takes {} element-steps with substeps {}; at most {} are "

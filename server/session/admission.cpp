@@ -33,12 +33,12 @@ Result<void> AdmitView(const groom::Groom& groom, const head::View& view,
 Result<void> AdmitHead(const groom::Groom& groom, const HeadOptions& options) {
   if (const auto ok = AdmitView(groom, options.view, "open."); !ok) return ok;
   const int steps = StepsOfFrame(options);
-  const double work = static_cast<double>(groom.element_count()) * steps;
+  const double work = static_cast<double>(groom.stepped_elements()) * steps;
   if (work <= kMaxFrameWork) return {};
   return Error{ErrorCode::kResourceExhausted,
                fmt::format("{} elements in {} time steps, with open.substeps {}, are {} "
                            "element-steps a frame; at most {} are allowed",
-                           groom.element_count(), steps, options.substeps, work, kMaxFrameWork),
+                           groom.stepped_elements(), steps, options.substeps, work, kMaxFrameWork),
                "open.substeps"};
 }
 
@@ -48,7 +48,7 @@ int FrameWindow(const groom::Groom& groom, const head::View& view, int most) {
 }
 
 Result<void> AdmitFrame(const groom::Groom& groom, const head::Movement& movement) {
-  const double work = static_cast<double>(groom.element_count()) * head::StepCount(movement);
+  const double work = static_cast<double>(groom.stepped_elements()) * head::StepCount(movement);
   if (work <= kMaxFrameWork) return {};
   return Error{ErrorCode::kResourceExhausted,
                fmt::format("pose.time_s is {} s after the last one, {} element-steps; at most {} "
@@ -60,7 +60,7 @@ Result<void> AdmitFrame(const groom::Groom& groom, const head::Movement& movemen
 double RealtimeLoad(const groom::Groom& groom, const HeadOptions& options) {
   if (options.pacing != Pacing::kRealtime) return 0;
   const int steps = StepsOfFrame(options) + (options.diagnostics ? kDiagnosticsSteps : 0);
-  const double frame = static_cast<double>(groom.element_count()) * steps + kFrameSteps +
+  const double frame = static_cast<double>(groom.stepped_elements()) * steps + kFrameSteps +
                        kPointSteps * PointCount(groom, options.view);
   return frame * options.rate_hz;
 }

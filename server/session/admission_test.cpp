@@ -76,6 +76,12 @@ TEST_F(AdmissionTest, ALoadCountsStepsFramesAndPoints) {
   EXPECT_EQ(load(), 0);
 }
 
+TEST_F(AdmissionTest, AWoundElementCountsTwice) {
+  const auto wound = head::SampleGroom(12, 4, head::SampleHair::kWound);
+  HeadOptions options;
+  EXPECT_DOUBLE_EQ(RealtimeLoad(*wound, options), 60 * (2 * 48 + 2000 + 12 * 16 / 2));
+}
+
 TEST_F(AdmissionTest, EightHeadsOfAHundredGuidesFitWithAmpleRoom) {
   EXPECT_LT(8 * RealtimeLoad(*head::SampleGroom(100, 5), {}),
             RegistryOptions().realtime_capacity / 5);

@@ -106,7 +106,7 @@ class RegistryTest : public ::testing::Test {
   }
 
   exec::WorkerPool pool_{2};
-  std::shared_ptr<const groom::Groom> groom_ = head::SampleGroom(12, 4);
+  std::shared_ptr<const groom::Groom> groom_ = head::SampleGroom(12, 4, head::SampleHair::kPlain);
   std::string token_;
 };
 
