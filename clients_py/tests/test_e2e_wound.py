@@ -12,7 +12,7 @@ from conftest import make_guide, make_guides, shake
 from mane.helix import Strands
 
 SCALP = mane.Ellipsoid((0.08, 0.1, 0.09), cap_angle=1.2)
-CURLY = {"natural_twist": 94.0, "natural_curvature_1": 80.0, "natural_curvature_2": 120.0}
+CURLY = {"natural_twist": 188.0, "natural_curvature_1": 160.0, "natural_curvature_2": 240.0}
 
 
 @pytest.fixture(params=[("caucasian_curly", 0.3), ("african_fuzzy", 0.1)], ids=["curly", "fuzzy"])
