@@ -72,11 +72,9 @@ void Add(const Diagnostics& guide, Diagnostics* all) {
   all->imbalance = std::max(all->imbalance, guide.imbalance);
 }
 
-}  // namespace
-
-Diagnostics Diagnose(const groom::Groom& groom, const HeadState& state,
-                     const Environment& environment, exec::WorkerPool& pool) {
-  if (state.detail.levels) return Diagnose(groom, FullDetail(groom, state), environment, pool);
+// Of a head with every block at full detail.
+Diagnostics DiagnoseAll(const groom::Groom& groom, const HeadState& state,
+                        const Environment& environment, exec::WorkerPool& pool) {
   std::vector<Diagnostics> guides(groom.guide_count());
   pool.ParallelFor(groom.guide_count(), kGuidesPerPiece, [&](int begin, int end) {
     for (int i = begin; i < end; ++i) {
@@ -87,6 +85,14 @@ Diagnostics Diagnose(const groom::Groom& groom, const HeadState& state,
   Diagnostics all;
   for (const Diagnostics& guide : guides) Add(guide, &all);
   return all;
+}
+
+}  // namespace
+
+Diagnostics Diagnose(const groom::Groom& groom, const HeadState& state,
+                     const Environment& environment, exec::WorkerPool& pool) {
+  if (!state.detail.levels) return DiagnoseAll(groom, state, environment, pool);
+  return DiagnoseAll(groom, FullDetail(groom, state), environment, pool);
 }
 
 }  // namespace mane::head
