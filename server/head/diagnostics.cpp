@@ -23,7 +23,7 @@ struct Unpacked {
   std::vector<Vector> coordinates, rate;
   std::vector<Vector3d> velocity;
 
-  explicit Unpacked(size_t N) : coordinates(N), rate(N), velocity(N * rod::kGaussPoints) {}
+  Unpacked(size_t N, int points) : coordinates(N), rate(N), velocity(N * points) {}
 
   [[nodiscard]] double LargestAngle() const {
     double largest = 0;
@@ -36,7 +36,7 @@ Diagnostics DiagnosePlain(const groom::Groom& groom, int guide, const HeadState&
                           const Vector3d& gravity) {
   const rod::Strand& strand = groom.guides[guide].strand;
   const math::Pose root = state.pose * groom.guides[guide].root;
-  Unpacked<Vector3d> now(strand.elements());
+  Unpacked<Vector3d> now(strand.elements(), rod::kGaussPoints);
   groom.batch.GetStrand(guide, state.guides,
                         rod::StrandState{now.coordinates, now.rate, now.velocity});
   std::vector<Vector3d> gradient(strand.elements());
@@ -52,12 +52,12 @@ Diagnostics DiagnoseWound(const groom::Groom& groom, int guide, const HeadState&
                           const Vector3d& gravity) {
   const rod::WoundStrand& wound = *groom.guides[guide].wound;
   const math::Pose root = state.pose * groom.guides[guide].root;
-  Unpacked<rod::Vector4d> now(wound.elements());
+  Unpacked<rod::Vector4d> now(wound.elements(), rod::kBeads);
   groom.batch.GetStrand(guide, state.guides,
                         rod::WoundState{now.coordinates, now.rate, now.velocity});
   rod::WoundHessian potential;
   potential.Linearize(wound, root, gravity, now.coordinates);
-  return {.kinetic_energy = rod::KineticEnergy(wound.strand, now.velocity),
+  return {.kinetic_energy = rod::KineticEnergy(wound, now.velocity),
           .elastic_energy = rod::ElasticEnergy(wound, now.coordinates),
           .gravity_energy = rod::GravityPotential(wound, root, gravity, now.coordinates),
           .largest_angle = now.LargestAngle(),

@@ -46,7 +46,8 @@ std::vector<Vector3d> Velocities(const groom::Groom& groom, const HeadState& sta
   std::vector<Vector3d> all;
   for (int guide = 0; guide < groom.guide_count(); ++guide) {
     const size_t N = groom.guides[guide].strand.elements();
-    std::vector<Vector3d> theta(N), rate(N), velocity(N * rod::kGaussPoints);
+    std::vector<Vector3d> theta(N), rate(N),
+        velocity(N * (groom.guides[guide].wound ? rod::kBeads : rod::kGaussPoints));
     std::vector<rod::Vector4d> x(N), dx(N);
     if (groom.guides[guide].wound) {
       groom.batch.GetStrand(guide, state.guides, rod::WoundState{x, dx, velocity});

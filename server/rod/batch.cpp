@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "base/check.h"
+#include "rod/rotary_inertia.h"
 #include "rod/scheme.h"
 
 namespace mane::rod {
@@ -48,15 +49,16 @@ void SetRows(const Eigen::MatrixBase<Derived>& values, int first, int last, Row<
 // Rows of a state's element, by kind.
 struct StateLayout {
   int coordinates;  // How many, from row 0; then as many rates.
-  int velocities;
+  int velocities;   // Their first row,
+  int points;       // and how many points they are at.
   int rows;
 };
 
 StateLayout StateOf(layout::Kind kind) {
   if (kind == layout::Kind::kWound) {
-    return {4, layout::kBeadVelocities, layout::kStatePerWoundElement};
+    return {4, layout::kBeadVelocities, kBeads, layout::kStatePerWoundElement};
   }
-  return {3, layout::kVelocities, layout::kStatePerElement};
+  return {3, layout::kVelocities, kGaussPoints, layout::kStatePerElement};
 }
 
 // The same names for both kinds of state.
@@ -124,6 +126,7 @@ void Batch<T>::SetConstants(const Block& block, int lane, const RootedStrand& ro
     SetWoundElements(rooted, lane, rows + layout::kFirstElement);
   } else {
     SetRows(strand.stiffness * StiffnessUnit(strand), lane, lane + 1, rows + layout::kStiffness);
+    set(RotaryInertia(strand), rows + layout::kRotaryInertia);
     SetPlainElements(rooted, lane, rows + layout::kFirstElement);
   }
 }
@@ -185,8 +188,8 @@ void Batch<T>::Set(int strand, const State& value, std::span<Row<T>> state) cons
       Row<T>* const rows = &state[block.state + Q * at.rows];
       SetRows(Coordinates(value)[Q], lane, lane + 1, rows);
       SetRows(value.rate[Q], lane, lane + 1, rows + at.coordinates);
-      for (int g = 0; g < kGaussPoints; ++g) {
-        SetRows(to_unit * value.velocity[Q * kGaussPoints + g], lane, lane + 1,
+      for (int g = 0; g < at.points; ++g) {
+        SetRows(to_unit * value.velocity[Q * at.points + g], lane, lane + 1,
                 rows + at.velocities + 3 * g);
       }
     }
@@ -207,8 +210,8 @@ void Batch<T>::Get(int strand, std::span<const Row<T>> state, const State& value
       Coordinates(value)[Q][i] = rows[i].lane[lane];
       value.rate[Q][i] = rows[at.coordinates + i].lane[lane];
     }
-    for (int i = 0; i < 3 * kGaussPoints; ++i) {
-      value.velocity[Q * kGaussPoints + i / 3][i % 3] = unit * rows[at.velocities + i].lane[lane];
+    for (int i = 0; i < 3 * at.points; ++i) {
+      value.velocity[Q * at.points + i / 3][i % 3] = unit * rows[at.velocities + i].lane[lane];
     }
   }
 }
@@ -268,8 +271,8 @@ void Batch<T>::RotateVelocities(const Matrix3d& turn, std::span<Row<T>> state) c
   Eigen::Matrix<T, 3, 3> R = turn.cast<T>();
   for (const Block& block : blocks_) {
     const StateLayout at = StateOf(block.kind);
-    for (int i = 0; i < block.elements * kGaussPoints; ++i) {
-      const int Q = i / kGaussPoints, g = i % kGaussPoints;
+    for (int i = 0; i < block.elements * at.points; ++i) {
+      const int Q = i / at.points, g = i % at.points;
       Row<T>* const rows = &state[block.state + Q * at.rows + at.velocities + 3 * g];
       for (int lane = 0; lane < kLanes; ++lane) {
         const Eigen::Matrix<T, 3, 1> u(rows[0].lane[lane], rows[1].lane[lane], rows[2].lane[lane]);

@@ -62,7 +62,7 @@ class Batch {
   [[nodiscard]] size_t state_rows() const { return state_rows_; }
   [[nodiscard]] int strand_count() const { return static_cast<int>(places_.size()); }
 
-  /// Writes angles [rad] (N), rates [rad/s] (N) and velocities at Gauss points, world [m/s]
+  /// Writes angles [rad] (N), rates [rad/s] (N) and velocities at the Gauss points, world [m/s]
   /// (N x kGaussPoints), into all lanes of a plain strand; of a wound one, its unknowns and beads.
   void SetStrand(int strand, const StrandState& value, std::span<Row<T>> state) const;
   void SetStrand(int strand, const WoundState& value, std::span<Row<T>> state) const;

@@ -20,7 +20,8 @@ enum Constant : int {
   kDrag,                               ///< nu / (rho S) [1/s].
   kFriction,                           ///< gamma / (rho S l0^4) [1/s].
   kStiffness,                          ///< (EI)_i / (rho S l0^4) [1/s^2] (3).
-  kFirstElement = kStiffness + 3,      ///< Then each element:
+  kRotaryInertia = kStiffness + 3,     ///< mu of plain strands (S12).
+  kFirstElement,                       ///< Then each element:
   kLength = 0,                         ///< l_Q / l0.
   kInverseLength,                      ///< l0 / l_Q.
   kNatural,                            ///< Natural angles [rad] (3).
@@ -55,8 +56,8 @@ enum WoundConstant : int {
 enum WoundState : int {
   kUnknowns = 0,                        ///< x = l (u, b1, b2, xi) [rad] (4).
   kUnknownRates = kUnknowns + 4,        ///< dx/dt over the last step [rad/s] (4).
-  kBeadVelocities = kUnknownRates + 4,  ///< Of the beads, world [l0/s] (kGaussPoints x 3).
-  kStatePerWoundElement = kBeadVelocities + 3 * kGaussPoints  ///< Rows of an element.
+  kBeadVelocities = kUnknownRates + 4,  ///< Of the beads, world [l0/s] (kBeads x 3).
+  kStatePerWoundElement = kBeadVelocities + 3 * kBeads  ///< Rows of an element.
 };
 
 /// Rows of what drives a step, lane by lane, so that strands of different heads may share a block.

@@ -39,7 +39,7 @@ class StrandStep : Recursion<T, W> {
     Vec spin;              // Right end's extrapolated angular velocity.
     V tau, zeta;           // theta.d0, |theta|^2
     V c2, c3, c4, c5, c6;  // c_n(zeta)
-    // At the Gauss points, for an element of length 1; phi1 is the node.
+    // Of an element of length 1, by combinations of the Gauss points; phi1 is kNode.
     V phi2[kGaussPoints], phi3[kGaussPoints], psi2[kGaussPoints], psi3[kGaussPoints];
     Lower<V> L;  // rates = L^-T (z - Z1 velocity - Z2 spin)
     Matrix<V> Z1, Z2;
@@ -53,6 +53,17 @@ class StrandStep : Recursion<T, W> {
   static void Step(int N, const T* constants, const T* drive, T* state, Element* scratch, T* size);
 
  private:
+  // What is taken of the Gauss points: the middle one, sum and difference of the outer ones. So the
+  // difference may have an inertia of its own (S12).
+  enum Combination { kMiddle, kSum, kDifference };
+  static constexpr T kNode[3] = {T(kGauss.nodes[1]), T(kGauss.nodes[2] + kGauss.nodes[0]),
+                                 T(kGauss.nodes[2] - kGauss.nodes[0])};
+  template <typename X>
+  static void Combine(const X (&at)[kGaussPoints], X (&combined)[kGaussPoints]) {
+    combined[kMiddle] = at[1], combined[kSum] = at[2] + at[0],
+    combined[kDifference] = at[2] - at[0];
+  }
+
   // The part of an element's cost that has its rates v: 1/2 v.H v + v.(Hv1 velocity + Hv2 spin) -
   // g.v.
   struct RateCost {
@@ -62,7 +73,7 @@ class StrandStep : Recursion<T, W> {
   };
 
   static void Linearise(int N, const Clamp& clamp, const V& h, const T* state, Element* elements);
-  static void AddInertia(const Constants& step, const V& length, const T* state,
+  static void AddInertia(const Constants& step, const V& rotary, const V& length, const T* state,
                          const Element& element, RateCost& rates, CostToGo& left);
   static void AddElasticity(const Constants& step, const Vec& stiffness, const T* constants,
                             const T* state, const Element& element, RateCost& rates);
@@ -78,8 +89,8 @@ class StrandStep : Recursion<T, W> {
   // Tip to root: one element's costs and those beyond it, without its rates. What only one of the
   // two ends needs is left out at the other.
   template <bool tip, bool root>
-  static void GoThrough(const Constants& step, const Vec& stiffness, const T* constants,
-                        const T* state, Element& element, CostToGo& beyond);
+  static void GoThrough(const Constants& step, const V& rotary, const Vec& stiffness,
+                        const T* constants, const T* state, Element& element, CostToGo& beyond);
   static V Advance(const V& dt, const T* constants, Element& element, Vec& velocity, Vec& spin,
                    T* state);
 };
@@ -100,15 +111,17 @@ void StrandStep<T, W>::Linearise(int N, const Clamp& clamp, const V& h, const T*
     e.tau = q.x;
     e.zeta = Dot(q, q);
     const Reduction<T, V> reduction = Reduce(e.zeta);
-#pragma GCC unroll 4
+    V phi2[kGaussPoints], phi3[kGaussPoints], psi2[kGaussPoints], psi3[kGaussPoints];
+#pragma GCC unroll 3
     for (int g = 0; g < kGaussPoints; ++g) {
       const T s = T(kGauss.nodes[g]);
       const Stumpff<V> c = Base::template Evaluate<false>(reduction, s);
-      e.phi2[g] = (s * s) * c.c2;
-      e.phi3[g] = (s * s * s) * c.c3;
-      e.psi2[g] = (s * s * s * s) * (T(2) * c.c4 - c.c3);
-      e.psi3[g] = (s * s * s * s * s) * (T(3) * c.c5 - c.c4);
+      phi2[g] = (s * s) * c.c2;
+      phi3[g] = (s * s * s) * c.c3;
+      psi2[g] = (s * s * s * s) * (T(2) * c.c4 - c.c3);
+      psi3[g] = (s * s * s * s * s) * (T(3) * c.c5 - c.c4);
     }
+    Combine(phi2, e.phi2), Combine(phi3, e.phi3), Combine(psi2, e.psi2), Combine(psi3, e.psi3);
     const Stumpff<V> c = Base::template Evaluate<true>(reduction, T(1));
     e.c2 = c.c2, e.c3 = c.c3, e.c4 = c.c4, e.c5 = c.c5, e.c6 = c.c6;
     omega += EndTurn(e.th, R * rate, c.c2, c.c3);
@@ -117,14 +130,15 @@ void StrandStep<T, W>::Linearise(int N, const Clamp& clamp, const V& h, const T*
   }
 }
 
-// Sums over the Gauss points of (1/2 M |velocity + spin x r + J v|^2 - m u.(the same)). J and r are
+// Sums over the combinations of the Gauss points of (1/2 M |velocity + spin x r + J v|^2 - m u.(the
+// same)), with mu of S12 for `rotary`. J and r are
 // combinations of d0, theta and A whose coefficients are numbers, so that these need to be summed,
 // not the matrices (rod.md, B3).
 template <typename T, int W>
 [[gnu::always_inline]] inline void StrandStep<T, W>::AddInertia(const Constants& step,
-                                                                const V& length, const T* state,
-                                                                const Element& e, RateCost& rates,
-                                                                CostToGo& left) {
+                                                                const V& rotary, const V& length,
+                                                                const T* state, const Element& e,
+                                                                RateCost& rates, CostToGo& left) {
   V s2{}, s3{}, t2{}, t3{};                              // <phi>, <psi>
   V m12{}, m13{}, m22{}, m23{}, m33{};                   // <phi phi>
   V n12{}, n13{}, n22{}, n33{}, n32_23{}, o22{}, o33{};  // <phi psi>, <psi psi>
@@ -132,20 +146,27 @@ template <typename T, int W>
   // integrals that are known exactly (H7, H8).
   Vec U0 = step.body, U1 = All(0.5) * U0, U2 = e.c3 * U0, U3 = e.c4 * U0;
   Vec V2 = (T(3) * e.c5 - e.c4) * U0, V3 = (T(4) * e.c6 - e.c5) * U0;
-#pragma GCC unroll 4
-  for (int g = 0; g < kGaussPoints; ++g) {
-    const T s = T(kGauss.nodes[g]), w = T(kGauss.weights[g]);
-    const V phi2 = e.phi2[g], phi3 = e.phi3[g], psi2 = e.psi2[g], psi3 = e.psi3[g];
+  Vec at[kGaussPoints], u[kGaussPoints];
+  for (int g = 0; g < kGaussPoints; ++g) at[g] = Rows(state, layout::kVelocities + 3 * g);
+  Combine(at, u);
+  constexpr T kOuter = T(kGauss.weights[0] / 2);
+  const V weight[] = {All(kGauss.weights[1]), All(kOuter), kOuter + rotary};
+#pragma GCC unroll 3
+  for (int k = 0; k < kGaussPoints; ++k) {
+    const V w = weight[k], phi2 = e.phi2[k], phi3 = e.phi3[k], psi2 = e.psi2[k], psi3 = e.psi3[k];
     const V w2 = w * phi2, w3 = w * phi3, x2 = w * psi2, x3 = w * psi3;
-    s2 += w2, s3 += w3, t2 += x2, t3 += x3;
+    const T s = kNode[k];
+    if (k != kDifference) {  // Which has no part in translation.
+      const T both = k == kSum ? T(2) : T(1);
+      s2 += both * w2, s3 += both * w3, t2 += both * x2, t3 += both * x3;
+      U0 += (both * w) * u[k];
+    }
     m12 += s * w2, m13 += s * w3, n12 += s * x2, n13 += s * x3;
     m22 += w2 * phi2, m23 += w2 * phi3, m33 += w3 * phi3;
     n22 += w2 * psi2, n33 += w3 * psi3, n32_23 += w3 * psi2 - w2 * psi3;
     o22 += x2 * psi2, o33 += x3 * psi3;
-    const Vec u = Rows(state, layout::kVelocities + 3 * g);
-    const Vec wu = All(w) * u;
-    U0 += wu, U1 += All(s) * wu;
-    U2 += w2 * u, U3 += w3 * u, V2 += x2 * u, V3 += x3 * u;
+    U1 += (s * w) * u[k];
+    U2 += w2 * u[k], U3 += w3 * u[k], V2 += x2 * u[k], V3 += x3 * u[k];
   }
   const Vec d0 = e.R.n0, th = e.th, A = e.A, B = e.B();
   const V tau = e.tau, zeta = e.zeta, beta = zeta - tau * tau;  // beta = |A|^2
@@ -160,7 +181,8 @@ template <typename T, int W>
   // Inertia. From here on the sums are those of an element of its own length and mass.
   const V I0 = length * step.inertia, I1 = length * I0, I2 = length * I1;
   s2 *= I1, s3 *= I1, t2 *= I1, t3 *= I1;
-  const V s1 = T(0.5) * I1, m11 = T(1.0 / 3) * I2;
+  const V s1 = T(0.5) * I1,
+          m11 = (T(1.0 / 3) + (kNode[kDifference] * kNode[kDifference]) * rotary) * I2;
   m12 *= I2, m13 *= I2, m22 *= I2, m23 *= I2, m33 *= I2;
   n12 *= I2, n13 *= I2, n22 *= I2, n33 *= I2, n32_23 *= I2, o22 *= I2, o33 *= I2;
   const V tau_m23 = tau * m23, tau_m33 = tau * m33, zeta_m33 = zeta * m33;
@@ -333,13 +355,21 @@ template <typename T, int W>
   const Vec X2 = Cross(lw, e.A) + Cross(lv, d0);
   const Vec X3 = Cross(lw, B) + e.tau * lv + Dot(d0, lv) * e.th - (T(2) * dot) * d0;
   const Vec Y2 = dot * e.A, Y3 = dot * B;
+  Vec field[kGaussPoints];  // By combinations.
+#pragma GCC unroll 3
+  for (int k = 0; k < kGaussPoints; ++k) {
+    field[k] =
+        All(kNode[k]) * X1 + e.phi2[k] * X2 + e.phi3[k] * X3 + e.psi2[k] * Y2 + e.psi3[k] * Y3;
+  }
+  const V half = All(0.5);
+  const Vec u_theta[kGaussPoints] = {velocity + half * (field[kSum] - field[kDifference]),
+                                     velocity + field[kMiddle],
+                                     velocity + half * (field[kSum] + field[kDifference])};
   V sum{};
-#pragma GCC unroll 4
+#pragma GCC unroll 3
   for (int g = 0; g < kGaussPoints; ++g) {
-    const Vec u_theta = velocity + All(kGauss.nodes[g]) * X1 + e.phi2[g] * X2 + e.phi3[g] * X3 +
-                        e.psi2[g] * Y2 + e.psi3[g] * Y3;
     const Vec u = Rows(state, layout::kVelocities + 3 * g);
-    const Vec next = u + All(1 / kTheta) * (u_theta - u);
+    const Vec next = u + All(1 / kTheta) * (u_theta[g] - u);
     Put(next, state, layout::kVelocities + 3 * g);
     sum += next.x + next.y + next.z;
   }
@@ -355,13 +385,14 @@ template <typename T, int W>
 template <typename T, int W>
 template <bool tip, bool root>
 [[gnu::always_inline]] inline void StrandStep<T, W>::GoThrough(const Constants& step,
+                                                               const V& rotary,
                                                                const Vec& stiffness,
                                                                const T* constants, const T* state,
                                                                Element& e, CostToGo& beyond) {
   const V length = Row(constants, layout::kLength);
   RateCost rates{};
   CostToGo left{};
-  AddInertia(step, length, state, e, rates, left);
+  AddInertia(step, rotary, length, state, e, rates, left);
   AddElasticity(step, stiffness, constants, state, e, rates);
   const Vec B = e.B(), end = e.R.n0 + e.c2 * e.A + e.c3 * B;
   const Vec centre = All(0.5) * e.R.n0 + e.c3 * e.A + e.c4 * B;
@@ -384,6 +415,7 @@ void StrandStep<T, W>::Step(int N, const T* constants, const T* drive, T* state,
   const Clamp clamp = ReadClamp(constants, drive);
   const Constants step = Prepare(constants, drive, clamp.velocity);
   const Vec stiffness = Rows(constants, layout::kStiffness);
+  const V rotary = Row(constants, layout::kRotaryInertia);
   Linearise(N, clamp, step.h, state, scratch);
 
   constexpr int kConstants = layout::kConstantsPerElement * layout::kLanes;
@@ -391,8 +423,8 @@ void StrandStep<T, W>::Step(int N, const T* constants, const T* drive, T* state,
   const T* element_constants = constants + layout::kFirstElement * layout::kLanes;
   CostToGo beyond{};
   const auto go = [&]<bool tip, bool root>(int Q) __attribute__((always_inline)) {
-    GoThrough<tip, root>(step, stiffness, element_constants + Q * kConstants, state + Q * kState,
-                         scratch[Q], beyond);
+    GoThrough<tip, root>(step, rotary, stiffness, element_constants + Q * kConstants,
+                         state + Q * kState, scratch[Q], beyond);
   };
   if (N == 1) {
     go.template operator()<true, true>(0);

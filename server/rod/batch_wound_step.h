@@ -45,8 +45,8 @@ class WoundStep : WoundAxis<T, W> {
     V zeta;                // |beta|^2
     V c2, c3, c4, c5, c6;  // c_n(zeta)
     // At the Gauss points, for an element of length 1, and where its bead is from the axis.
-    V phi2[kGaussPoints], phi3[kGaussPoints], psi2[kGaussPoints], psi3[kGaussPoints];
-    Vec bead[kGaussPoints];
+    V phi2[kBeads], phi3[kBeads], psi2[kBeads], psi3[kBeads];
+    Vec bead[kBeads];
     LowerOf<V, n> L;   // rates = L^-T (z - Z1 velocity - Z2 spin)
     Vec Z1[n], Z2[n];  // by rows
     V z[n];
@@ -129,16 +129,16 @@ void WoundStep<T, W>::Linearise(int N, const Clamp& clamp, const V& h, const T* 
     const V radius =
         T(0.5) * Row(constants, layout::kRadius) * Row(constants, layout::kInverseLength);
 #pragma GCC unroll 4
-    for (int g = 0; g < kGaussPoints; ++g) {
-      const T s = T(kGauss.nodes[g]);
+    for (int g = 0; g < kBeads; ++g) {
+      const T s = T(kBeadRule.nodes[g]);
       const Stumpff<V> c = Base::template Evaluate<false>(reduction, s);
       e.phi2[g] = (s * s) * c.c2;
       e.phi3[g] = (s * s * s) * c.c3;
       e.psi2[g] = (s * s * s * s) * (T(2) * c.c4 - c.c3);
       e.psi3[g] = (s * s * s * s * s) * (T(3) * c.c5 - c.c4);
       // C7: outer beads stand along e1, inner ones along e2, to either side.
-      const bool outer = g == 0 || g == kGaussPoints - 1;
-      const T sign = T((2 * g < kGaussPoints ? 1 : -1) / __builtin_sqrt(kGauss.weights[g]));
+      const bool outer = g == 0 || g == kBeads - 1;
+      const T sign = T((2 * g < kBeads ? 1 : -1) / __builtin_sqrt(kBeadRule.weights[g]));
       const Vec o = (sign * radius) * (outer ? R.n1 : R.n2), turn = Cross(e.th, o);
       e.bead[g] = o + (s * c.c1) * turn + e.phi2[g] * Cross(e.th, turn);
     }
@@ -184,8 +184,8 @@ template <typename T, int W>
   Vec first{};            // sum m r
   Symmetric<V> second{};  // sum m r r^T
 #pragma GCC unroll 4
-  for (int g = 0; g < kGaussPoints; ++g) {
-    const V s = All(kGauss.nodes[g]), w = All(kGauss.weights[g]);
+  for (int g = 0; g < kBeads; ++g) {
+    const V s = All(kBeadRule.nodes[g]), w = All(kBeadRule.weights[g]);
     const V phi2 = e.phi2[g], phi3 = e.phi3[g];
     const Vec p = s * e.R.n0 + phi2 * e.A + phi3 * e.B(), o = e.bead[g];
     Columns J = AxisColumns(e, p, phi2, phi3, e.psi2[g], e.psi3[g]);
@@ -338,8 +338,8 @@ template <typename T, int W>
   const Vec once = Cross(e.th, turn), twice = Cross(e.th, once);
   V sum{};
 #pragma GCC unroll 4
-  for (int g = 0; g < kGaussPoints; ++g) {
-    const V s = All(kGauss.nodes[g]), phi2 = e.phi2[g], phi3 = e.phi3[g];
+  for (int g = 0; g < kBeads; ++g) {
+    const V s = All(kBeadRule.nodes[g]), phi2 = e.phi2[g], phi3 = e.phi3[g];
     const Vec here = spin + s * turn + phi2 * once + phi3 * twice;
     const Vec u_theta = velocity + s * X1 + phi2 * X2 + phi3 * X3 + e.psi2[g] * Y2 +
                         e.psi3[g] * Y3 + length * Cross(here, e.bead[g]);

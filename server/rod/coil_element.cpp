@@ -90,12 +90,12 @@ CoilEnd EndOfCoil(const CoilAxis& axis) {
 }
 
 Vector3d BeadOffset(const Coil& coil, int g) {
-  static_assert(kGaussPoints == 4);
+  static_assert(kBeads == 4);
   // Opposite beads are of equal weight: no moment of first order, and half the radius squared of
   // second order in each direction across.
-  const double r = coil.radius / (2 * std::sqrt(kGauss.weights[g]));
-  const double sign = 2 * g < kGaussPoints ? 1 : -1;
-  const bool outer = g == 0 || g == kGaussPoints - 1;
+  const double r = coil.radius / (2 * std::sqrt(kBeadRule.weights[g]));
+  const double sign = 2 * g < kBeads ? 1 : -1;
+  const bool outer = g == 0 || g == kBeads - 1;
   return outer ? Vector3d(0, sign * r, 0) : Vector3d(0, 0, sign * r);
 }
 

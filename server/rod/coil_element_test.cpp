@@ -214,10 +214,10 @@ TEST(CoilElementTest, BeadsHaveTheMomentsOfTheCoil) {
   const Coil coil = AnyCoil();
   Vector3d first = Vector3d::Zero();
   Matrix3d second = Matrix3d::Zero();
-  for (int g = 0; g < kGaussPoints; ++g) {
+  for (int g = 0; g < kBeads; ++g) {
     const Vector3d o = BeadOffset(coil, g);
-    first += kGauss.weights[g] * o;
-    second += kGauss.weights[g] * o * o.transpose();
+    first += kBeadRule.weights[g] * o;
+    second += kBeadRule.weights[g] * o * o.transpose();
   }
   const double half = coil.radius * coil.radius / 2;
   EXPECT_LT(first.norm(), 1e-15 * coil.radius);

@@ -2,6 +2,7 @@
 
 #include "base/check.h"
 #include "rod/chain.h"
+#include "rod/rotary_inertia.h"
 #include "rod/scheme.h"
 
 namespace mane::rod {
@@ -57,12 +58,13 @@ void PotentialGradient(const Strand& strand, const math::Pose& clamp, const Vect
 }
 
 double KineticEnergy(const Strand& strand, std::span<const Vector3d> velocity) {
+  const double rotary = RotaryInertia(strand);
   double T = 0;
   for (int Q = 0; Q < strand.elements(); ++Q) {
-    for (int g = 0; g < kGaussPoints; ++g) {
-      const double mass = strand.linear_density * strand.length[Q] * kGauss.weights[g];
-      T += 0.5 * mass * velocity[Q * kGaussPoints + g].squaredNorm();
-    }
+    const Vector3d* const u = &velocity[Q * kGaussPoints];
+    double squares = rotary * (u[kGaussPoints - 1] - u[0]).squaredNorm();
+    for (int g = 0; g < kGaussPoints; ++g) squares += kGauss.weights[g] * u[g].squaredNorm();
+    T += 0.5 * strand.linear_density * strand.length[Q] * squares;
   }
   return T;
 }

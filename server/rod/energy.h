@@ -23,8 +23,8 @@ void PotentialGradient(const Strand& strand, const math::Pose& clamp,
                        const Eigen::Vector3d& gravity, std::span<const Eigen::Vector3d> theta,
                        std::span<Eigen::Vector3d> gradient);
 
-/// T of [SH06] (5b) [J] from velocities [m/s] at the Gauss points of every element,
-/// (N x kGaussPoints), as in StrandState::velocity.
+/// T of [SH06] (5b) [J], with what S12 adds, from velocities [m/s] at the Gauss points of every
+/// element, (N x kGaussPoints), as in StrandState::velocity.
 [[nodiscard]] double KineticEnergy(const Strand& strand, std::span<const Eigen::Vector3d> velocity);
 
 }  // namespace mane::rod

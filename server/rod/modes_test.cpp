@@ -2,6 +2,7 @@
 //   frequency   the first natural frequency of M and K tends to 1.8751^2 sqrt(EI / (rho S L^4)),
 //               second order in the number of elements
 //   graded      graded lengths bring it nearer
+//   rotary      the rotary inertia of S12 brings it there, and hanging hair's too
 //   step        small free vibrations of the time step have it in the limit dt -> 0, and nothing
 //               damps them
 //   damping     they decay by nu / (2 rho S) from drag and gamma omega^2 / (2 EI) from friction
@@ -13,7 +14,7 @@
 #include <cmath>
 
 #include "rod/chain.h"
-#include "rod/graded_lengths.h"
+#include "rod/energy.h"
 #include "rod/step.h"
 #include "rod/test_strands.h"
 
@@ -32,16 +33,28 @@ struct Mode {
   MatrixXd M;
 };
 
-Mode FirstMode(const Strand& strand) {
+// Inertia of the step, or the exact one.
+enum class Inertia { kStep, kExact };
+
+// Of a straight strand along its clamp's tangent, which `gravity` must not bend.
+Mode FirstMode(const Strand& strand, Inertia inertia = Inertia::kStep, const math::Pose& clamp = {},
+               const Vector3d& gravity = Vector3d::Zero()) {
   const int N = strand.elements();
-  const State state(strand);
-  const MatrixXd full = MassMatrix(strand, {}, state.theta, 8);
-  MatrixXd M(N, N), K = MatrixXd::Zero(N, N);
+  std::vector<Vector3d> theta(N, Vector3d::Zero()), gradient(N);
+  const MatrixXd full = inertia == Inertia::kStep ? fixtures::StepMassMatrix(strand, clamp, theta)
+                                                  : MassMatrix(strand, clamp, theta, 8);
+  MatrixXd M(N, N), K(N, N);
+  constexpr double kTurn = 1e-4;
   for (int i = 0; i < N; ++i) {
-    for (int j = 0; j < N; ++j) M(i, j) = full(3 * i + 1, 3 * j + 1);
-    K(i, i) = strand.stiffness[1] / strand.length[i];
+    theta[i].y() = kTurn;
+    PotentialGradient(strand, clamp, gravity, theta, gradient);
+    theta[i].y() = 0;
+    for (int j = 0; j < N; ++j) {
+      M(i, j) = full(3 * i + 1, 3 * j + 1);
+      K(j, i) = gradient[j].y() / kTurn;
+    }
   }
-  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> modes(K, M);
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> modes(0.5 * (K + K.transpose()), M);
   const VectorXd shape = modes.eigenvectors().col(0);
   return {std::sqrt(modes.eigenvalues()[0]), shape / shape.cwiseAbs().maxCoeff(), M};
 }
@@ -56,7 +69,7 @@ TEST(ModesTest, FirstFrequencyConvergesToTheBeamsAtSecondOrder) {
   std::vector<double> error;
   for (const int N : {1, 2, 5, 10, 20}) {
     const Strand strand = fixtures::HeavyStrand(10, N);
-    error.push_back(FirstMode(strand).omega / BeamFrequency(strand) - 1);
+    error.push_back(FirstMode(strand, Inertia::kExact).omega / BeamFrequency(strand) - 1);
     EXPECT_GT(error.back(), 0) << N;  // Fewer freedoms are stiffer (Rayleigh).
   }
   EXPECT_LT(error[4], 6e-4);
@@ -69,16 +82,35 @@ TEST(ModesTest, GradedLengthsBringTheFirstFrequencyOfLightHairNearer) {
   // and 0.158 %: what is left is not a matter of lengths.
   const std::pair<int, double> cases[] = {{5, 7.0e-3}, {10, 1.75e-3}};
   for (const auto& [N, at_most] : cases) {
-    Strand strand = fixtures::HeavyStrand(1, N);
-    const double equal = FirstMode(strand).omega / BeamFrequency(strand) - 1;
-    strand.length = GradedLengths({.length = strand.TotalLength(),
-                                   .stiffness = strand.stiffness[1],
-                                   .linear_density = strand.linear_density},
-                                  N);
-    const double graded = FirstMode(strand).omega / BeamFrequency(strand) - 1;
+    const Strand strand = fixtures::HeavyStrand(1, N);
+    const double equal = FirstMode(strand, Inertia::kExact).omega / BeamFrequency(strand) - 1;
+    const double graded =
+        FirstMode(fixtures::Graded(strand), Inertia::kExact).omega / BeamFrequency(strand) - 1;
     EXPECT_LT(graded, at_most) << N;
     EXPECT_LT(graded, 0.92 * equal) << N;
     EXPECT_GT(graded, 0);
+  }
+}
+
+TEST(ModesTest, RotaryInertiaMakesTheFirstFrequencyOfLightHairRight) {
+  for (const int N : {3, 5, 10, 20}) {
+    const Strand equal = fixtures::HeavyStrand(1, N), graded = fixtures::Graded(equal);
+    EXPECT_NEAR(FirstMode(graded).omega / BeamFrequency(graded), 1, 0.035 / (N * N)) << N;
+    EXPECT_NEAR(FirstMode(equal).omega / BeamFrequency(equal), 1, 0.1 / (N * N)) << N;
+  }
+}
+
+TEST(ModesTest, FirstFrequencyOfHangingHairIsRightWhateverItsWeight) {
+  const math::Pose down{Vector3d::Zero(),
+                        Eigen::Quaterniond(Eigen::AngleAxisd(-M_PI / 2, Vector3d::UnitZ()))};
+  for (const double number : {1.0, 4.0, 8.0, 20.0, 80.0, 163.0, 551.0, 2551.0}) {
+    const auto frequency = [&](int N) {
+      const Strand strand = fixtures::Graded(fixtures::HeavyStrand(number, N));
+      return FirstMode(strand, Inertia::kStep, down, {0, -9.81, 0}).omega;
+    };
+    const double converged = frequency(80);
+    EXPECT_NEAR(frequency(5) / converged, 1, 1.2e-3) << number;
+    EXPECT_NEAR(frequency(10) / converged, 1, 3e-4) << number;
   }
 }
 

@@ -62,25 +62,44 @@ struct Cost {
   CostToGo V;
 };
 
-// Adds 1/2 m |P V + J v|^2 (scaled by the implicit drag) - m u.(P V + J v) for each Gauss point,
-// where P V = velocity + spin x r.
+// Weights of the points of an element of n unknowns.
+template <int n>
+constexpr const double* Weights() {
+  if constexpr (n == 4) {
+    return kBeadRule.weights;
+  } else {
+    return kGauss.weights;
+  }
+}
+
+// Adds 1/2 m scale |P V + J v|^2 - m u.(P V + J v), where P V = translation velocity + spin x r:
+// the cost of a point of mass m at r, or, without translation, of the difference of two.
+template <int n>
+void AddPoint(double m, double scale, double translation, const Vector3d& r,
+              const Eigen::Matrix<double, 3, n>& J, const Vector3d& u, Cost<n>* cost) {
+  const double M = m * scale;
+  const Matrix3d rx = math::Cross(r);
+  cost->Hvv.noalias() += M * J.transpose() * J;
+  cost->HvV.template leftCols<3>() += translation * M * J.transpose();
+  cost->HvV.template rightCols<3>().noalias() -= M * J.transpose() * rx;
+  cost->gv.noalias() += m * J.transpose() * u;
+  cost->V.A.template topLeftCorner<3, 3>().diagonal().array() += translation * M;
+  cost->V.A.template topRightCorner<3, 3>() -= translation * M * rx;
+  cost->V.A.template bottomRightCorner<3, 3>().noalias() -= M * rx * rx;
+  cost->V.b.template head<3>() += translation * m * u;
+  cost->V.b.template tail<3>() += m * r.cross(u);
+}
+
+// Adds the inertia of all points of an element (scaled by the implicit drag), and what the outer
+// ones resist turning by (S12).
 template <int n>
 void AddInertia(const LinearElement<n>& element, double scale, const Vector3d* u, Cost<n>* cost) {
-  for (int g = 0; g < kGaussPoints; ++g) {
-    const double m = element.mass * kGauss.weights[g], M = m * scale;
-    const auto& J = element.J[g];
-    const Vector3d& r = element.r[g];
-    const Matrix3d rx = math::Cross(r);
-    cost->Hvv.noalias() += M * J.transpose() * J;
-    cost->HvV.template leftCols<3>() += M * J.transpose();
-    cost->HvV.template rightCols<3>().noalias() -= M * J.transpose() * rx;
-    cost->gv.noalias() += m * J.transpose() * u[g];
-    cost->V.A.template topLeftCorner<3, 3>().diagonal().array() += M;
-    cost->V.A.template topRightCorner<3, 3>() -= M * rx;
-    cost->V.A.template bottomRightCorner<3, 3>().noalias() -= M * rx * rx;
-    cost->V.b.template head<3>() += m * u[g];
-    cost->V.b.template tail<3>() += m * r.cross(u[g]);
+  constexpr int kLast = LinearElement<n>::kPoints - 1;
+  for (int g = 0; g <= kLast; ++g) {
+    AddPoint<n>(element.mass * Weights<n>()[g], scale, 1, element.r[g], element.J[g], u[g], cost);
   }
+  AddPoint<n>(element.mass * element.rotary, scale, 0, element.r[kLast] - element.r[0],
+              element.J[kLast] - element.J[0], u[kLast] - u[0], cost);
   cost->V.A.template bottomLeftCorner<3, 3>() =
       cost->V.A.template topRightCorner<3, 3>().transpose();
 }
@@ -169,18 +188,19 @@ CostToGo Eliminate(const Cost<n>& cost, LinearElement<n>* element) {
 ///
 /// @param elements  linearised at the extrapolated unknowns, root first.
 /// @param x, rate   unknowns and their rates, (N); in and out.
-/// @param velocity  at the Gauss points [m/s], (N x kGaussPoints); in and out.
+/// @param velocity  at the Gauss points [m/s], (N x kPoints); in and out.
 /// @return whether the result is finite.
 template <int n>
 bool Advance(std::span<LinearElement<n>> elements, const Coefficients& c, double dt, Vector6d V,
              std::span<Eigen::Matrix<double, n, 1>> x, std::span<Eigen::Matrix<double, n, 1>> rate,
              std::span<Vector3d> velocity) {
+  constexpr int kPoints = LinearElement<n>::kPoints;
   const int N = static_cast<int>(elements.size());
   AddWeights<n>(elements, c.h, c.body - (c.inertia - 1) * V.head<3>(), V.tail<3>(), rate);
   CostToGo beyond;
   for (int Q = N - 1; Q >= 0; --Q) {
     Cost<n> cost;
-    AddInertia(elements[Q], c.inertia, &velocity[Q * kGaussPoints], &cost);
+    AddInertia(elements[Q], c.inertia, &velocity[Q * kPoints], &cost);
     AddBodyForce(elements[Q], c.body, &cost);
     AddElasticity(elements[Q], c, &cost);
     beyond.A.bottomRightCorner<3, 3>() += elements[Q].weight;
@@ -194,8 +214,8 @@ bool Advance(std::span<LinearElement<n>> elements, const Coefficients& c, double
     const LinearElement<n>& element = elements[Q];
     Eigen::Matrix<double, n, 1> v = element.k - element.L * V;
     v *= std::min(1.0, kLargestTurn / std::max(dt * v.norm(), 1e-300));  // S11
-    for (int g = 0; g < kGaussPoints; ++g) {
-      Vector3d& u = velocity[Q * kGaussPoints + g];
+    for (int g = 0; g < kPoints; ++g) {
+      Vector3d& u = velocity[Q * kPoints + g];
       const Vector3d u_x = V.head<3>() + V.tail<3>().cross(element.r[g]) + element.J[g] * v;
       u += (u_x - u) / kTheta;
       magnitude += u.squaredNorm();

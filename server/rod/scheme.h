@@ -16,17 +16,25 @@ inline constexpr double kLeastFriction = 0.5;
 /// elements that wind often have next to no inertia that would hold them back (rod.md, S11).
 inline constexpr double kLargestTurn = 1e3;
 
-/// Points of the inertia integrals in each element: the inertia is good to 5e-8 for an element of 1
-/// rad and to 1e-4 at 3 rad. Too few for a tightly wound one is inaccurate, never unstable (rod.md,
-/// Quadrature).
-inline constexpr int kGaussPoints = 4;
-
-/// Gauss-Legendre on [0, 1], as math::GaussLegendre(kGaussPoints).
-struct GaussRule {
-  double nodes[kGaussPoints];
-  double weights[kGaussPoints];
+/// Points and weights on [0, 1].
+template <int n>
+struct PointRule {
+  double nodes[n];
+  double weights[n];
 };
-inline constexpr GaussRule kGauss = {
+
+/// Points of the inertia integrals in each element of a plain strand: Gauss-Legendre on [0, 1], as
+/// math::GaussLegendre(3). Three are as good as any more of them up to elements of half a turn; too
+/// few for a tightly wound one is inaccurate, never unstable (rod.md, Quadrature).
+inline constexpr int kGaussPoints = 3;
+inline constexpr PointRule<kGaussPoints> kGauss = {
+    {0.11270166537925831, 0.5, 0.88729833462074169},
+    {0.27777777777777778, 0.44444444444444444, 0.27777777777777778}};
+
+/// Beads of a wound element, which carry its inertia (coil.md, C7): Gauss-Legendre, as
+/// math::GaussLegendre(4).
+inline constexpr int kBeads = 4;
+inline constexpr PointRule<kBeads> kBeadRule = {
     {0.069431844202973712, 0.33000947820757187, 0.66999052179242813, 0.93056815579702629},
     {0.17392742256872693, 0.32607257743127307, 0.32607257743127307, 0.17392742256872693}};
 

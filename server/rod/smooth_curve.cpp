@@ -185,8 +185,8 @@ Vector3d SmoothCurve::Derivative(Location at) const {
 
 double SmoothCurve::ArcWithin(int segment, double u) const {
   double arc = 0;
-  for (int g = 0; g < kGaussPoints; ++g) {
-    arc += kGauss.weights[g] * u * Derivative({segment, kGauss.nodes[g] * u}).norm();
+  for (int g = 0; g < kBeads; ++g) {
+    arc += kBeadRule.weights[g] * u * Derivative({segment, kBeadRule.nodes[g] * u}).norm();
   }
   return arc;
 }

@@ -3,6 +3,7 @@
 #include "base/check.h"
 #include "rod/helix.h"
 #include "rod/recursion.h"
+#include "rod/rotary_inertia.h"
 
 namespace mane::rod {
 namespace {
@@ -13,6 +14,7 @@ using Eigen::Vector3d;
 // Geometry of all elements at the extrapolated angles, root to tip (S2).
 void Linearise(const Strand& strand, const Matrix3d& root, double h, const StrandState& state,
                std::vector<LinearElement<3>>& elements) {
+  const double rotary = RotaryInertia(strand);
   Matrix3d R = root;
   for (int Q = 0; Q < strand.elements(); ++Q) {
     LinearElement<3>& element = elements[Q];
@@ -21,6 +23,7 @@ void Linearise(const Strand& strand, const Matrix3d& root, double h, const Stran
     const double l = strand.length[Q];
     element.length = l;
     element.mass = strand.linear_density * l;
+    element.rotary = rotary;
     element.K = (strand.stiffness / l).asDiagonal();
     element.strain = state.theta[Q] - l * strand.natural[Q];
     element.d = l * (R * end.p);

@@ -39,19 +39,21 @@ struct ClampMotion {
 /// elimination leaves (S7). World coordinates, from the element's left end [m].
 template <int n>
 struct LinearElement {
+  static constexpr int kPoints = n == 4 ? kBeads : kGaussPoints;
   double length;  ///< [m]
   double mass;    ///< [kg]
+  double rotary;  ///< mu of S12; 0 for a coil.
   Eigen::Matrix<double, n, n> K;
-  Eigen::Matrix<double, n, 1> strain;           ///< x - x^n at the start of the step.
-  Eigen::Vector3d d;                            ///< Right end.
-  Eigen::Matrix<double, 6, n> S;                ///< Right end's twist per rate.
-  Eigen::Vector3d c;                            ///< Centre of mass.
-  Eigen::Matrix<double, 3, n> G;                ///< Its velocity per rate.
-  Eigen::Vector3d r[kGaussPoints];              ///< Gauss points.
-  Eigen::Matrix<double, 3, n> J[kGaussPoints];  ///< Their velocity per rate.
-  Eigen::Matrix3d weight;         ///< Turning stiffness of weight at the right end (S9).
-  Eigen::Vector3d spin;           ///< Right end's extrapolated angular velocity [rad/s].
-  Eigen::Matrix<double, n, 6> L;  ///< rate = k - L V
+  Eigen::Matrix<double, n, 1> strain;      ///< x - x^n at the start of the step.
+  Eigen::Vector3d d;                       ///< Right end.
+  Eigen::Matrix<double, 6, n> S;           ///< Right end's twist per rate.
+  Eigen::Vector3d c;                       ///< Centre of mass.
+  Eigen::Matrix<double, 3, n> G;           ///< Its velocity per rate.
+  Eigen::Vector3d r[kPoints];              ///< Gauss points, or beads of a coil (C7).
+  Eigen::Matrix<double, 3, n> J[kPoints];  ///< Their velocity per rate.
+  Eigen::Matrix3d weight;                  ///< Turning stiffness of weight at the right end (S9).
+  Eigen::Vector3d spin;                    ///< Right end's extrapolated angular velocity [rad/s].
+  Eigen::Matrix<double, n, 6> L;           ///< rate = k - L V
   Eigen::Matrix<double, n, 1> k;
 };
 

@@ -25,6 +25,10 @@ double Energy(const Strand& strand, const State& state) {
   return KineticEnergy(strand, state.velocity) + ElasticEnergy(strand, state.theta);
 }
 
+oracle::Matrix3X Columns(const std::vector<Vector3d>& vectors) {
+  return oracle::Stack(vectors).reshaped(3, vectors.size());
+}
+
 // What (S8) says that a step from `before` to `after` adds to T + U on a clamp at rest.
 double PredictedChange(const Strand& strand, const math::Pose& clamp, const Surroundings& air,
                        double dt, const State& before, const State& after) {
@@ -38,16 +42,15 @@ double PredictedChange(const Strand& strand, const math::Pose& clamp, const Surr
         (kLeastFriction * kTheta * dt * strand.stiffness).cwiseMax(Vector3d::Constant(gamma)) / l;
     change -= dt * v.dot(friction.cwiseProduct(v));
     change -= (kTheta - 0.5) * dt * dt * v.dot(strand.stiffness.cwiseProduct(v)) / l;
-    for (int g = 0; g < kGaussPoints; ++g) {
-      const int k = kGaussPoints * Q + g;
-      const double ds = l * static_cast<double>(oracle::GaussRule(kGaussPoints).weights[g]);
-      const Vector3d du = after.velocity[k] - before.velocity[k];
-      const Vector3d u_theta = before.velocity[k] + kTheta * du;
-      change -= (kTheta - 0.5) * strand.linear_density * ds * du.squaredNorm();
-      change -= dt * nu * ds * u_theta.squaredNorm();
-    }
   }
+  // With sum W_kl u_k.u_l for the mass times the squares of velocities (S12).
   const oracle::Rod rod(strand);
+  const auto square = [&](const oracle::Matrix3X& u) {
+    return static_cast<double>((u * rod.StepMasses()).cwiseProduct(u).sum());
+  };
+  const oracle::Matrix3X u = Columns(before.velocity), du = Columns(after.velocity) - u;
+  change -= (kTheta - 0.5) * square(du);
+  change -= dt * nu / strand.linear_density * square(u + kTheta * du);
   const oracle::Vector ahead =
       oracle::Stack(before.theta) + kTheta * dt * oracle::Stack(before.rate);
   const oracle::Frame frame = oracle::ToFrame(clamp);

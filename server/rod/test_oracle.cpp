@@ -141,6 +141,53 @@ std::vector<Matrix3X> Rod::Jacobians(const Frame& clamp, const Vector& theta,
   return J;
 }
 
+Matrix Rod::StepMasses() const {
+  constexpr int kPoints = 3;
+  const Rule& rule = GaussRule(kPoints);
+  Matrix W = Masses(rule).asDiagonal();
+  Real L = 0;
+  for (int Q = 0; Q < elements(); ++Q) L += length(Q);
+  const Real softer = std::min(strand_.stiffness[1], strand_.stiffness[2]);
+  const Real number = 9.81L * strand_.linear_density * L * L * L / softer;
+  // The second moment of mass is a twelfth; half as much again for light hair.
+  const Real more = (number < 4 ? 1 : 4 / number) / 24;
+  const Real distance = rule.nodes[2] - rule.nodes[0];
+  for (int Q = 0; Q < elements(); ++Q) {
+    const Real each = strand_.linear_density * length(Q) * more / (distance * distance);
+    const int first = kPoints * Q, last = first + kPoints - 1;
+    W(first, first) += each, W(last, last) += each;
+    W(first, last) -= each, W(last, first) -= each;
+  }
+  return W;
+}
+
+namespace {
+
+// sum W_kl J_k^T J_l
+Matrix Congruence(const Matrix& W, const std::vector<Matrix3X>& J) {
+  Matrix M = Matrix::Zero(J[0].cols(), J[0].cols());
+  for (size_t k = 0; k < J.size(); ++k) {
+    for (size_t l = 0; l < J.size(); ++l) {
+      if (W(k, l) != 0) M += W(k, l) * J[k].transpose() * J[l];
+    }
+  }
+  return M;
+}
+
+// sum W_kl J_k^T u_l
+Vector Momentum(const Matrix& W, const std::vector<Matrix3X>& J, const Matrix3X& u) {
+  Vector p = Vector::Zero(J[0].cols());
+  const Matrix3X Wu = u * W;
+  for (size_t k = 0; k < J.size(); ++k) p += J[k].transpose() * Wu.col(k);
+  return p;
+}
+
+}  // namespace
+
+Matrix Rod::StepMass(const Frame& clamp, const Vector& theta) const {
+  return Congruence(StepMasses(), Jacobians(clamp, theta, GaussRule(kGaussPoints)));
+}
+
 Matrix Rod::Mass(const Frame& clamp, const Vector& theta, int points) const {
   const Rule& rule = GaussRule(points);
   const std::vector<Matrix3X> J = Jacobians(clamp, theta, rule);
@@ -259,19 +306,20 @@ void DenseStep(const Strand& strand, const ClampMotion& clamp, const Surrounding
   const Rule& few = GaussRule(kGaussPoints);
   const Matrix3X r = rod.Points(root, ahead, few);
   const std::vector<Matrix3X> J = rod.Jacobians(root, ahead, few);
-  const Vector masses = rod.Masses(few);
+  const Matrix masses = rod.StepMasses();
 
   // (S3): the minimum of the quadratic form.
   Matrix H = Matrix::Zero(theta.size(), theta.size());
   Vector b = -h * rod.Stiffness().cwiseProduct(theta - rod.Natural());
   const Vector stiff = h * h * rod.Stiffness();
   H.diagonal() = stiff + (h * air.friction * rod.Friction()).cwiseMax(kLeastFriction * stiff);
-  std::vector<Vector3> base(J.size());
+  Matrix3X base(3, J.size()), u(3, J.size());
   for (size_t k = 0; k < J.size(); ++k) {
-    base[k] = velocity + spin.cross(r.col(k) - root.r);
-    H += (1 + h * c) * masses[k] * J[k].transpose() * J[k];
-    b += masses[k] * J[k].transpose() * (state.velocity[k].cast<Real>() - (1 + h * c) * base[k]);
+    base.col(k) = velocity + spin.cross(r.col(k) - root.r);
+    u.col(k) = state.velocity[k].cast<Real>();
   }
+  H += (1 + h * c) * Congruence(masses, J);
+  b += Momentum(masses, J, u - (1 + h * c) * base);
   const Vector3 body = air.gravity + c * air.wind;
   b -= h * (rod.Gradient(root, body, ahead) - rod.Gradient(root, Vector3::Zero(), ahead));
   const Matrix turning = h * h * rod.Turning(root, body - c * velocity, ahead);
@@ -281,8 +329,8 @@ void DenseStep(const Strand& strand, const ClampMotion& clamp, const Surrounding
 
   // (S4).
   for (size_t k = 0; k < J.size(); ++k) {
-    const Vector3 u = state.velocity[k].cast<Real>(), ahead_u = base[k] + J[k] * v;
-    state.velocity[k] = (u + (ahead_u - u) / kTheta).cast<double>();
+    const Vector3 ahead_u = base.col(k) + J[k] * v;
+    state.velocity[k] = (u.col(k) + (ahead_u - u.col(k)) / kTheta).cast<double>();
   }
   for (int Q = 0; Q < rod.elements(); ++Q) {
     state.rate[Q] = v.segment<3>(3 * Q).cast<double>();
@@ -309,15 +357,11 @@ Vector Acceleration(const Strand& strand, const std::function<Frame(Real)>& clam
   for (int i = -2; i <= 2; ++i) x[i + 2] = Ahead(rod, clamp, t, motion, few, i * e);
   const Matrix3X velocity = (8 * (x[3] - x[1]) - (x[4] - x[0])) / (12 * e);
   const Matrix3X bias = (16 * (x[3] + x[1]) - (x[4] + x[0]) - 30 * x[2]) / (12 * e * e);
-  Matrix M = Matrix::Zero(motion.theta.size(), motion.theta.size());
   Vector f = -rod.Stiffness().cwiseProduct(motion.theta - rod.Natural()) -
              air.friction * rod.Friction().cwiseProduct(motion.rate);
   const std::vector<Matrix3X> J = rod.Jacobians(root, motion.theta, few);
-  const Vector masses = rod.Masses(few);
-  for (size_t k = 0; k < J.size(); ++k) {
-    M += masses[k] * J[k].transpose() * J[k];
-    f -= masses[k] * J[k].transpose() * (bias.col(k) + air.drag_rate * velocity.col(k));
-  }
+  const Matrix masses = rod.StepMasses(), M = Congruence(masses, J);
+  f -= Momentum(masses, J, bias + air.drag_rate * velocity);
   const std::vector<Matrix3X> weight_J = rod.Jacobians(root, motion.theta, fine);
   const Vector weights = rod.Masses(fine);
   for (size_t k = 0; k < weight_J.size(); ++k) {

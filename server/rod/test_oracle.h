@@ -62,6 +62,10 @@ class Rod {
   [[nodiscard]] std::vector<Matrix3X> Jacobians(const Frame& clamp, const Vector& theta,
                                                 const Rule& rule) const;
 
+  /// W of the kinetic energy 1/2 sum W_kl u_k.u_l of the time step, by velocities at its Gauss
+  /// points (S3, S12), (N points x N points), and the inertia matrix that follows.
+  [[nodiscard]] Matrix StepMasses() const;
+  [[nodiscard]] Matrix StepMass(const Frame& clamp, const Vector& theta) const;
   /// int rho S J^T J ds by `points` points an element.
   [[nodiscard]] Matrix Mass(const Frame& clamp, const Vector& theta, int points = 48) const;
   /// (5c), and -int rho S g.(r - r_clamp) ds with 48 points an element [J].

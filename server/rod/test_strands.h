@@ -11,6 +11,9 @@
 
 #include "math/rigid.h"
 #include "rod/chain.h"
+#include "rod/graded_lengths.h"
+#include "rod/rotary_inertia.h"
+#include "rod/scheme.h"
 #include "rod/step.h"
 #include "rod/strand.h"
 
@@ -74,6 +77,30 @@ inline Strand HeavyStrand(double number, int elements) {
   strand.stiffness = {ratio * EI, EI, EI};
   strand.internal_friction = 0;
   strand.air_drag = 0;
+  return strand;
+}
+
+/// The inertia matrix of the time step: by its Gauss points, with what S12 adds [kg m^2], (3N x
+/// 3N).
+inline Eigen::MatrixXd StepMassMatrix(const Strand& strand, const math::Pose& clamp,
+                                      std::span<const Eigen::Vector3d> theta) {
+  Eigen::MatrixXd M = MassMatrix(strand, clamp, theta, kGaussPoints);
+  const double mu = RotaryInertia(strand);
+  for (int Q = 0; Q < strand.elements(); ++Q) {
+    const Eigen::MatrixXd apart =
+        PointAt(strand, clamp, theta, {Q, kGauss.nodes[kGaussPoints - 1]}).J -
+        PointAt(strand, clamp, theta, {Q, kGauss.nodes[0]}).J;
+    M += mu * strand.linear_density * strand.length[Q] * apart.transpose() * apart;
+  }
+  return M;
+}
+
+/// `strand` with the element lengths that generated straight hair has.
+inline Strand Graded(Strand strand) {
+  strand.length = GradedLengths({.length = strand.TotalLength(),
+                                 .stiffness = strand.stiffness.tail<2>().minCoeff(),
+                                 .linear_density = strand.linear_density},
+                                strand.elements());
   return strand;
 }
 

@@ -73,7 +73,7 @@ struct WoundOwned {
   explicit WoundOwned(const WoundStrand& wound)
       : x(wound.natural),
         rate(wound.elements(), Vector4d::Zero()),
-        velocity(wound.elements() * kGaussPoints, Eigen::Vector3d::Zero()) {}
+        velocity(wound.elements() * kBeads, Eigen::Vector3d::Zero()) {}
   /// Any unknowns up to `angle` [rad] off the natural ones, any rates [rad/s], any velocities
   /// [m/s].
   WoundOwned(const WoundStrand& wound, Random& random, double angle, double speed,

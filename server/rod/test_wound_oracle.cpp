@@ -83,15 +83,15 @@ Frame WoundRod::Along(const Frame& left, const Vector& x, int Q, Real u) const {
 }
 
 Matrix3X WoundRod::Beads(const Frame& clamp, const Vector& x) const {
-  const Rule& rule = GaussRule(kGaussPoints);
-  Matrix3X beads(3, elements() * kGaussPoints);
+  const Rule& rule = GaussRule(kBeads);
+  Matrix3X beads(3, elements() * kBeads);
   Frame left = AxisRoot(clamp);
   for (int Q = 0; Q < elements(); ++Q) {
     const Real radius = helix_[Q].slant / helix_[Q].winding;
-    for (int g = 0; g < kGaussPoints; ++g) {
+    for (int g = 0; g < kBeads; ++g) {
       const Frame at = Along(left, x, Q, rule.nodes[g]);
       const Real arm = radius / (2 * std::sqrt(rule.weights[g])) * (g < 2 ? 1 : -1);
-      beads.col(Q * kGaussPoints + g) = at.r + arm * at.n.col(g == 0 || g == 3 ? 1 : 2);
+      beads.col(Q * kBeads + g) = at.r + arm * at.n.col(g == 0 || g == 3 ? 1 : 2);
     }
     left = Along(left, x, Q, 1);
   }
@@ -99,7 +99,7 @@ Matrix3X WoundRod::Beads(const Frame& clamp, const Vector& x) const {
 }
 
 std::vector<Matrix3X> WoundRod::Jacobians(const Frame& clamp, const Vector& x) const {
-  std::vector<Matrix3X> J(elements() * kGaussPoints, Matrix3X(3, x.size()));
+  std::vector<Matrix3X> J(elements() * kBeads, Matrix3X(3, x.size()));
   for (int i = 0; i < x.size(); ++i) {
     const Matrix3X d = Difference(
         [&](Real by) -> Matrix3X { return Beads(clamp, x + by * Vector::Unit(x.size(), i)); });
@@ -109,10 +109,10 @@ std::vector<Matrix3X> WoundRod::Jacobians(const Frame& clamp, const Vector& x) c
 }
 
 Vector WoundRod::Masses() const {
-  Vector masses(elements() * kGaussPoints);
+  Vector masses(elements() * kBeads);
   for (int i = 0; i < masses.size(); ++i) {
-    masses[i] = strand_.linear_density * strand_.length[i / kGaussPoints] *
-                GaussRule(kGaussPoints).weights[i % kGaussPoints];
+    masses[i] =
+        strand_.linear_density * strand_.length[i / kBeads] * GaussRule(kBeads).weights[i % kBeads];
   }
   return masses;
 }

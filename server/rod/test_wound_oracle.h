@@ -15,12 +15,12 @@ class WoundRod {
   explicit WoundRod(const Strand& strand);
 
   [[nodiscard]] int elements() const { return strand_.elements(); }
-  /// The beads that carry the inertia, root to tip, (3 x N kGaussPoints); unknowns (4N). `clamp` is
+  /// The beads that carry the inertia, root to tip, (3 x N kBeads); unknowns (4N). `clamp` is
   /// the hair's.
   [[nodiscard]] Matrix3X Beads(const Frame& clamp, const Vector& x) const;
   /// Their derivatives by x, fourth order differences.
   [[nodiscard]] std::vector<Matrix3X> Jacobians(const Frame& clamp, const Vector& x) const;
-  /// rho S ds at the beads, (N kGaussPoints).
+  /// rho S ds at the beads, (N kBeads).
   [[nodiscard]] Vector Masses() const;
   /// Unknowns of the natural shape (C12), (4N).
   [[nodiscard]] const Vector& Natural() const { return natural_; }

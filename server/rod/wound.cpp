@@ -34,6 +34,7 @@ void Linearise(const WoundStrand& wound, const Matrix3d& root, double h, const W
     const CoilEnd end = EndOfCoil(axis);
     element.length = l;
     element.mass = wound.strand.linear_density * l;
+    element.rotary = 0;
     element.K = wound.coil[Q].stiffness / l;
     element.strain = state.x[Q] - wound.natural[Q];
     element.d = l * (A * end.p);
@@ -41,8 +42,9 @@ void Linearise(const WoundStrand& wound, const Matrix3d& root, double h, const W
     element.S.bottomRows<3>() = A * end.T;
     element.c = l * (A * end.c);
     element.G = l * A * end.G;
-    for (int g = 0; g < kGaussPoints; ++g) {
-      const CoilPoint bead = PointOnCoil(axis, kGauss.nodes[g], BeadOffset(wound.coil[Q], g) / l);
+    for (int g = 0; g < kBeads; ++g) {
+      const CoilPoint bead =
+          PointOnCoil(axis, kBeadRule.nodes[g], BeadOffset(wound.coil[Q], g) / l);
       element.r[g] = l * (A * bead.p);
       element.J[g] = l * A * bead.J;
     }

@@ -45,7 +45,7 @@ struct WoundStrand {
 struct WoundState {
   std::span<Vector4d> x;                ///< l (u, b1, b2, xi) of each element [rad], (N).
   std::span<Vector4d> rate;             ///< dx/dt over the last step [rad/s], (N).
-  std::span<Eigen::Vector3d> velocity;  ///< Of the beads (C7), world [m/s], (N x kGaussPoints).
+  std::span<Eigen::Vector3d> velocity;  ///< Of the beads (C7), world [m/s], (N x kBeads).
 };
 
 /// Memory of one worker's steps, as StepScratch.

@@ -24,7 +24,7 @@ using fixtures::Random;
 using fixtures::WoundOwned;
 
 double Energy(const WoundStrand& wound, const WoundOwned& state) {
-  return KineticEnergy(wound.strand, state.velocity) + ElasticEnergy(wound, state.x);
+  return KineticEnergy(wound, state.velocity) + ElasticEnergy(wound, state.x);
 }
 
 // What (S8) says that a step from `before` to `after` adds to T + U on a clamp at rest.

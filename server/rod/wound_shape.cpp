@@ -44,6 +44,17 @@ double ElasticEnergy(const WoundStrand& wound, std::span<const Vector4d> x) {
   return U;
 }
 
+double KineticEnergy(const WoundStrand& wound, std::span<const Vector3d> velocity) {
+  double T = 0;
+  for (int Q = 0; Q < wound.elements(); ++Q) {
+    const double mass = wound.strand.linear_density * wound.strand.length[Q];
+    for (int g = 0; g < kBeads; ++g) {
+      T += 0.5 * mass * kBeadRule.weights[g] * velocity[Q * kBeads + g].squaredNorm();
+    }
+  }
+  return T;
+}
+
 double GravityPotential(const WoundStrand& wound, const math::Pose& clamp, const Vector3d& gravity,
                         std::span<const Vector4d> x) {
   Matrix3d A = clamp.q * wound.coil[0].F;

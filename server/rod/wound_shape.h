@@ -35,6 +35,10 @@ struct WoundFrame {
 /// U = 1/2 sum_Q (x - x^n).K (x - x^n) / l (C6).
 [[nodiscard]] double ElasticEnergy(const WoundStrand& wound, std::span<const Vector4d> x);
 
+/// T of (5b) [J] from the velocities of the beads [m/s], (N x kBeads), as in WoundState::velocity.
+[[nodiscard]] double KineticEnergy(const WoundStrand& wound,
+                                   std::span<const Eigen::Vector3d> velocity);
+
 /// -int rho S g.(r - r_clamp) ds [J] of the axis (C8).
 [[nodiscard]] double GravityPotential(const WoundStrand& wound, const math::Pose& clamp,
                                       const Eigen::Vector3d& gravity, std::span<const Vector4d> x);

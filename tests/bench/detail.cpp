@@ -32,14 +32,17 @@ math::Pose HeadAt(double t, double size) {
 }
 
 std::vector<Vector3d> Tips(const groom::Groom& groom, const HeadState& state) {
-  const std::vector<Vector3d> theta = Angles(groom, state);
-  std::vector<Vector3d> tips;
+  const std::vector<double> coordinates = Coordinates(groom, state);
+  std::vector<Vector3d> tips, theta;
   for (int i = 0; i < groom.guide_count(); ++i) {
-    const size_t first = groom.first_element[i], N = groom.first_element[i + 1] - first;
-    tips.push_back(rod::ElementFrames(groom.guides[i].strand, state.pose * groom.guides[i].root,
-                                      std::span(theta).subspan(first, N))
-                       .back()
-                       .r);
+    theta.resize(groom.guides[i].strand.elements());
+    for (size_t Q = 0; Q < theta.size(); ++Q) {
+      theta[Q] = Eigen::Map<const Vector3d>(&coordinates[groom.first_coordinate[i] + 3 * Q]);
+    }
+    tips.push_back(
+        rod::ElementFrames(groom.guides[i].strand, state.pose * groom.guides[i].root, theta)
+            .back()
+            .r);
   }
   return tips;
 }

@@ -14,6 +14,7 @@
 
 #include "rod/batch.h"
 #include "rod/chain.h"
+#include "rod/graded_lengths.h"
 #include "rod/scheme.h"
 #include "rod/strand.h"
 #include "simd/isa.h"
@@ -32,14 +33,18 @@ constexpr double kRestSpeed = 1e-3;    // Of the last element, in radians a seco
 constexpr double kMeasuredTime = 0.1;  // Processor time of one repetition [s].
 constexpr int kRepetitions = 7;
 
+// With the element lengths that generated hair has.
 mane::rod::Strand MakeStrand(int elements) {
   const mane::rod::Section section{kRadius, kRadius};
   const mane::rod::Material material{4e9, 0.48, 1300};
   mane::rod::Strand strand;
-  strand.length.assign(elements, kLength / elements);
   strand.natural.assign(elements, Vector3d::Zero());
   strand.stiffness = Stiffness(section, material);
   strand.linear_density = LinearDensity(section, material);
+  strand.length = mane::rod::GradedLengths({.length = kLength,
+                                            .stiffness = strand.stiffness[1],
+                                            .linear_density = strand.linear_density},
+                                           elements);
   strand.internal_friction = kFriction;
   strand.air_drag = kDragRate * strand.linear_density;
   return strand;
@@ -76,7 +81,7 @@ class Engine {
 
   /// Of the first strand, as all are equal.
   Vector3d Tip() {
-    batch_.GetAngles(0, state_, theta_);
+    batch_.GetStrand(0, state_, {theta_, rate_, velocity_});
     return ElementFrames(strand_, {}, theta_).back().r;
   }
   double Speed() {
