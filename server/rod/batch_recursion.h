@@ -18,6 +18,7 @@ struct Recursion : StumpffOf<T, W> {
   using Lanewise<T, W>::Row;
   using Lanewise<T, W>::Rows;
   using Lanewise<T, W>::FrameRows;
+  using Lanewise<T, W>::Expect;
 
   /// Constants of a step.
   struct Constants {

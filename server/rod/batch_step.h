@@ -18,6 +18,7 @@ class StrandStep : Recursion<T, W> {
   using Base::All;
   using Base::Damped;
   using Base::EndTurn;
+  using Base::Expect;
   using Base::Next;
   using Base::Prepare;
   using Base::Put;
@@ -421,8 +422,13 @@ void StrandStep<T, W>::Step(int N, const T* constants, const T* drive, T* state,
   constexpr int kConstants = layout::kConstantsPerElement * layout::kLanes;
   constexpr int kState = layout::kStatePerElement * layout::kLanes;
   const T* element_constants = constants + layout::kFirstElement * layout::kLanes;
+  const T* const next_constants = element_constants + N * kConstants;
+  Expect(next_constants, layout::kFirstElement);
   CostToGo beyond{};
   const auto go = [&]<bool tip, bool root>(int Q) __attribute__((always_inline)) {
+    Expect(state + (N + Q) * kState, layout::kStatePerElement);
+    Expect(next_constants + layout::kFirstElement * layout::kLanes + Q * kConstants,
+           layout::kConstantsPerElement);
     GoThrough<tip, root>(step, rotary, stiffness, element_constants + Q * kConstants,
                          state + Q * kState, scratch[Q], beyond);
   };
