@@ -17,7 +17,7 @@ from rods import strand, table
 from rods.strand import Row
 
 PROGRAM = Path(__file__).resolve().parents[2] / "build" / "bench" / "tests" / "bench" / "peers"
-RESOLUTIONS = ("5", "10", "20", "40")
+RESOLUTIONS = ("1", "2", "3", "5", "10", "20", "40")
 PEERS = {"mujoco": "mujoco_rods", "pyelastica": "pyelastica_rods", "newton": "newton_rods"}
 
 
