@@ -285,6 +285,33 @@ TYPED_TEST(BatchTest, PositionsLieOnTheCentreline) {
   });
 }
 
+// The angles that a block holds, rebuilt in double precision, are where its own positions say, up
+// to roundings of the phase: a client may take either.
+TEST(BatchSampleTest, IsOffByRoundingsOfTheAngle) {
+  for (const simd::Isa isa : simd::Supported()) {
+    Random random(4);
+    for (const double angle : {1.0, 10.0, 100.0, 1e3, 1e4}) {
+      Packed<float> packed;
+      for (int i = 0; i < kLanes; ++i) {
+        packed.Add(random.UnevenStrand(10, 5, 0), random.AnyRoot(),
+                   random.AnyState(random.UnevenStrand(10, 5, 0), angle, 0, 0));
+      }
+      packed.Pack();
+      const auto positions = packed.Sample(KernelsFor<float>(isa), {}, 17);
+      double worst = 0;
+      for (int i = 0; i < kLanes; ++i) {
+        const std::vector<Vector3d> theta = packed.Get(i).theta;
+        for (int j = 0; j < 17; ++j) {
+          const ArcPosition at = Locate(packed.strand(i), packed.strand(i).TotalLength() * j / 16);
+          const Vector3d exact = PointAt(packed.strand(i), packed.root(i), theta, at).r;
+          worst = std::max(worst, (positions[i][j] - exact).norm() / 5);
+        }
+      }
+      EXPECT_LT(worst, 1e-7 * (3 + angle)) << angle;
+    }
+  }
+}
+
 TYPED_TEST(BatchTest, PacksFullBlocksOfEqualElementNumber) {
   using T = TypeParam;
   Random random(5);
