@@ -13,9 +13,6 @@ namespace {
 // A real-time head that stood still longer than this (its client was away) goes on from where its
 // head is now, rather than moving there in one frame [s].
 constexpr double kLongestGap = 0.5;
-// Least time between poses, and in lockstep the longest [s].
-constexpr double kLeastPoseGap = 1e-6;
-constexpr double kLongestPoseGap = 1;
 // Least time between two notices of a kind [s].
 constexpr double kNoticePeriod = 1;
 // Commands and frames a head may have waiting before its client is read no further; in lockstep
