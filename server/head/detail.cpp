@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/check.h"
 #include "rod/chain.h"
@@ -161,8 +162,8 @@ void SetOffset(const Coarse& coarse, int lane, std::span<const Vector3d> theta,
 
 }  // namespace
 
-void StartDetail(const groom::Groom& groom, exec::WorkerPool& pool, Detail* detail) {
-  detail->levels = std::make_shared<const Levels>(groom, pool);
+void StartDetail(const groom::Groom& groom, std::shared_ptr<const Levels> levels, Detail* detail) {
+  detail->levels = std::move(levels);
   detail->blocks.clear();
   size_t rows = 0;
   for (int i = 0; i < std::ssize(groom.batch.blocks()); ++i) {

@@ -130,6 +130,9 @@ Result<void> RunBake(GroomLibrary& grooms, exec::WorkerPool& pool, jobs::JobCont
   if (const auto ok = AdmitBake(groom, *bake); !ok) return ok;
 
   head::HeadState state = head::AtRest(groom, bake->motion.front().pose);
+  if (bake->environment.detail_tolerance > 0) {
+    head::StartDetail(groom, std::make_shared<const head::Levels>(groom, pool), &state.detail);
+  }
   BakeChunk chunk;
   for (size_t i = 0; i < bake->motion.size(); ++i) {
     if (context.Cancelled()) return jobs::JobContext::StoppedError();

@@ -31,6 +31,7 @@ Registry::Registry(const RegistryOptions& options, exec::WorkerPool& realtime,
     : options_(options),
       realtime_(realtime),
       lockstep_(lockstep),
+      levels_(lockstep),
       clock_([this](std::stop_token stop) { RunClock(stop); }) {}
 
 Registry::~Registry() {
@@ -89,7 +90,7 @@ Result<OpenedHead> Registry::Open(std::shared_ptr<const groom::Groom> groom,
   const uint64_t id = next_id_++;
   exec::WorkerPool& pool = options.pacing == Pacing::kRealtime ? realtime_ : lockstep_;
   const OpenedHead opened{
-      std::make_shared<HeadSession>(fmt::format("heads/{}", id), groom, options, pool),
+      std::make_shared<HeadSession>(fmt::format("heads/{}", id), groom, options, pool, levels_),
       MakeToken()};
   std::lock_guard handover(handover_);
   std::shared_ptr<HeadSession> replaced;

@@ -39,7 +39,8 @@ struct OpenedHead {
 /// called.
 class Registry {
  public:
-  /// Real-time heads run on `realtime`, the others on `lockstep`, so that these do not delay those.
+  /// Real-time heads run on `realtime`, the others on `lockstep`, so that these do not delay those;
+  /// there, too, levels of detail are made.
   Registry(const RegistryOptions& options, exec::WorkerPool& realtime, exec::WorkerPool& lockstep);
   /// Ends all heads and stops the clock.
   ~Registry();
@@ -100,6 +101,7 @@ class Registry {
   const RegistryOptions options_;
   exec::WorkerPool& realtime_;
   exec::WorkerPool& lockstep_;
+  LevelLibrary levels_;
 
   // Held by Open, once it has built its head, and by Resume until they have attached, so that two
   // streams which want one head get it one after the other. Taken before every other lock.

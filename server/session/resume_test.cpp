@@ -44,7 +44,8 @@ TEST_F(ResumeTest, ResumingTakesTheHeadFromAStreamThatStillHoldsIt) {
 }
 
 TEST_F(ResumeTest, AStreamThatComesToAnEndedHeadIsTold) {
-  const auto head = std::make_shared<HeadSession>("heads/1", groom_, HeadOptions(), pool_);
+  LevelLibrary levels(pool_);
+  const auto head = std::make_shared<HeadSession>("heads/1", groom_, HeadOptions(), pool_, levels);
   head->End({ErrorCode::kUnavailable, "the server is stopping", ""});
   head->End({ErrorCode::kInternal, "too late", ""});
   TestStream stream;

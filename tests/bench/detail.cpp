@@ -32,7 +32,11 @@ math::Pose HeadAt(double t, double size) {
 }
 
 std::vector<Vector3d> Tips(const groom::Groom& groom, const HeadState& state) {
-  const std::vector<Vector3d> theta = Angles(groom, state);
+  const std::vector<double> coordinates = Coordinates(groom, state);  // Of plain guides.
+  std::vector<Vector3d> theta(coordinates.size() / 3);
+  for (size_t Q = 0; Q < theta.size(); ++Q) {
+    theta[Q] = Eigen::Map<const Vector3d>(&coordinates[3 * Q]);
+  }
   std::vector<Vector3d> tips;
   for (int i = 0; i < groom.guide_count(); ++i) {
     const size_t first = groom.first_element[i], N = groom.first_element[i + 1] - first;
@@ -61,6 +65,7 @@ double Advanced(const groom::Groom& groom, const Movement& movement, const Envir
 std::string Measure(const groom::Groom& groom, double size, double tolerance) {
   exec::WorkerPool pool(1);
   HeadState full = AtRest(groom, {}), coarse = full;
+  StartDetail(groom, std::make_shared<const Levels>(groom, pool), &coarse.detail);
   Environment tolerant;
   tolerant.detail_tolerance = tolerance;
   std::vector<double> full_times, coarse_times;
