@@ -23,9 +23,6 @@ constexpr double kFading = 0.15;
 // A block is coarsened once it would have been right for so long [s], by so much of the tolerance.
 constexpr double kCalmTime = 0.25;
 constexpr double kCalmShare = 0.5;
-// The error of the motion that a level makes, over that of the shapes that it cannot hold:
-// frequencies that are a little off add up (D4).
-constexpr float kSafety = 5;
 // Motion counts as the bend to which it leads within this time [s].
 constexpr float kLookAhead = 0.1F;
 

@@ -90,6 +90,7 @@ class Merging {
   [[nodiscard]] Level MakeLevel() const {
     const int N = block_.elements, Nc = elements();
     std::vector<rod::RootedStrand> strands;
+    strands.reserve(block_.count);
     for (int lane = 0; lane < block_.count; ++lane) {
       strands.push_back({&coarse_[lane].strand, groom_.guides[block_.strands[lane]].root});
     }
