@@ -56,6 +56,30 @@ def test_head_space_and_environment_reach_a_bake(client, groom):
     assert np.abs(last[0] - last[1]).max() > 1e-4
 
 
+def test_calm_hair_is_baked_and_streamed_with_fewer_elements(client):
+    generate = mane.GuideGeneration("caucasian_curly", 32, 0.1, 8, seed=3)
+    groom = client.create_groom(scalp=mane.Ellipsoid((0.08, 0.1, 0.09)), generate=generate)
+    motion = mane.Motion(np.arange(120) / 60)
+    tolerant = mane.Environment(detail_tolerance_m=0.01)
+    bake = client.bake(groom, motion, environment=tolerant)
+    bake.wait()
+    baked = list(bake.frames())
+    with client.open_head(groom, "lockstep", environment=tolerant) as head:
+        streamed = list(head.play(motion))
+    client.delete_groom(groom)
+    elements = [frame.stepped_elements for frame in baked]
+    assert elements[-1] < 0.7 * elements[0]
+    assert elements == [frame.stepped_elements for frame in streamed]
+    for one, other in zip(baked, streamed, strict=True):
+        np.testing.assert_array_equal(one.positions, other.positions)
+
+
+def test_poses_a_second_apart_are_baked_however_they_are_rounded(client, groom):
+    times = np.array([1.2, 2.2, 3.2])
+    assert times[1] - times[0] > 1
+    assert client.bake(groom, mane.Motion(times)).wait().state == mane.JobState.SUCCEEDED
+
+
 def test_progress_only_grows_and_ends_at_one(client, groom):
     bake = client.bake(groom, mane.Motion(np.arange(2000) / 60))
     seen = list(bake.watch())

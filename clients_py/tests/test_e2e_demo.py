@@ -9,9 +9,9 @@ import pytest
 from PIL import Image
 
 from mane import clips, mesh
-from mane.demo import animate, load_motion
+from mane.demo import KINDS, Hair, animate, load_motion
 from mane.errors import InvalidArgument
-from mane.groom import GuideGeneration
+from mane.groom import GuideGeneration, StrandModel
 
 QUICK = ("--guides", "12", "--size", "64", "--seconds", "0.1")
 
@@ -50,6 +50,17 @@ def test_a_head_and_a_motion_of_ones_own(maned, tmp_path):
     assert done.returncode == 0, done.stderr
     (only,) = (tmp_path / "new" / "folder").iterdir()
     assert only.name == "mine-still-wavy.png"
+
+
+def test_fuzzy_guides_are_all_wound(client):
+    kind = KINDS[Hair.FUZZY]
+    generate = GuideGeneration(
+        kind.hair_type, 120, 0.25, seed=1, curl_variation=kind.curl_variation
+    )
+    groom = client.create_groom(scalp=mesh.mannequin(), generate=generate)
+    models = {guide.model for guide in client.export_groom(groom).guides}
+    client.delete_groom(groom)
+    assert models == {StrandModel.WOUND}
 
 
 def test_hair_grows_on_the_hair_region_and_follows_the_head(client):

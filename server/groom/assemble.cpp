@@ -37,21 +37,12 @@ Result<void> Validate(const Parts& parts, const Limits& limits) {
     return TooMany("guides", "guides", std::ssize(parts.guides), limits.max_guides);
   }
   long elements = 0, coordinates = 0;
-  double rest_work = 0;
   for (const Guide& guide : parts.guides) {
     elements += guide.strand.elements();
     coordinates += guide.coordinate_count();
-    rest_work += std::pow(guide.strand.elements(), 3);
   }
   if (elements > limits.max_elements) {
     return TooMany("guides", "elements", elements, limits.max_elements);
-  }
-  if (rest_work > limits.max_rest_work) {
-    return Error{ErrorCode::kResourceExhausted,
-                 fmt::format("the cubes of the guides' element counts sum to {}; at most {} are "
-                             "allowed: use fewer elements a guide, or fewer guides",
-                             rest_work, limits.max_rest_work),
-                 "guides"};
   }
   if (!parts.rest.empty() && (std::ssize(parts.rest) != coordinates || !AllFinite(parts.rest))) {
     return InvalidArgument("rest", fmt::format("rest holds {} numbers; it must hold {}, all finite",

@@ -3,6 +3,7 @@
 //   rest     rest angles are an equilibrium: no unbalanced moment, less energy than the natural
 //            shape; a hanging straight strand stays straight
 //   workers  the same bits without a pool and with pools of any size
+//   limits   guides of many elements are admitted by the number of elements, as they are solved
 //   kept     rest angles from storage are taken as they are
 //   refusal  empty, too large, or ill-fitting parts are refused by name
 
@@ -167,6 +168,19 @@ TEST(AssembleTest, RefusesRestAnglesThatDoNotFit) {
   EXPECT_EQ(nan.error().field, "rest");
 }
 
+TEST(AssembleTest, GuidesOfTheMostElementsCountByTheirElements) {
+  const int most = Limits().max_elements / kMaxElementsPerGuide;
+  GuideDescription d = Straight(Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitX(), kGravity));
+  d.element_count = kMaxElementsPerGuide;
+  Parts parts;
+  parts.guides.assign(100, *MakeGuide(d, 0));
+  const auto groom = Assemble(parts, {}, nullptr);
+  ASSERT_TRUE(groom) << groom.error().message;
+  EXPECT_EQ((*groom)->element_count(), 100 * kMaxElementsPerGuide);
+  parts.guides.assign(most + 1, parts.guides.front());
+  EXPECT_FALSE(Assemble(std::move(parts), {}, nullptr));
+}
+
 TEST(AssembleTest, RefusesEmptyHugeAndInvalidGrooms) {
   const Parts good = Generated(HairType::kAsianSmooth, 3);
   const auto refused = [](Parts parts, const Limits& limits) {
@@ -187,11 +201,6 @@ TEST(AssembleTest, RefusesEmptyHugeAndInvalidGrooms) {
 
   limits = {};
   limits.max_elements = 14;  // The three guides have 5 each.
-  EXPECT_EQ(refused(good, limits).code, ErrorCode::kResourceExhausted);
-  EXPECT_EQ(refused(good, limits).field, "guides");
-
-  limits = {};
-  limits.max_rest_work = 374;  // Three times the cube of 5 is 375.
   EXPECT_EQ(refused(good, limits).code, ErrorCode::kResourceExhausted);
   EXPECT_EQ(refused(good, limits).field, "guides");
 

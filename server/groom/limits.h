@@ -8,12 +8,10 @@ struct Limits {
   /// real time.
   int max_guides = 20'000;
   /// Helical elements of all guides together, >= 1. Bounds the memory of a head, about 200 bytes an
-  /// element.
+  /// element, and the time to solve the rest shape, which is linear in it: 3 to 20 us of one core
+  /// an element of hair, 35 us of random shapes and materials, 250 us where the search is hardest;
+  /// so ten seconds at this limit, two minutes at worst.
   int max_elements = 400'000;
-  /// Sum over the guides of the cube of their element counts, >= 1: the time to solve the rest
-  /// shape grows with it, about a minute of one core at this limit: 25,000 guides of 20
-  /// elements; 11 of 256.
-  double max_rest_work = 2e8;
   /// Points of all imported strands, >= 2; 12 bytes each, while they are imported.
   int max_points = 4'000'000;
   /// Sum over imported strands of ImportCost [s], >= 0: half an hour of one core for tight coils,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/check.h"
 #include "rod/chain.h"
@@ -22,9 +23,6 @@ constexpr double kFading = 0.15;
 // A block is coarsened once it would have been right for so long [s], by so much of the tolerance.
 constexpr double kCalmTime = 0.25;
 constexpr double kCalmShare = 0.5;
-// The error of the motion that a level makes, over that of the shapes that it cannot hold:
-// frequencies that are a little off add up (D4).
-constexpr float kSafety = 5;
 // Motion counts as the bend to which it leads within this time [s].
 constexpr float kLookAhead = 0.1F;
 
@@ -161,8 +159,8 @@ void SetOffset(const Coarse& coarse, int lane, std::span<const Vector3d> theta,
 
 }  // namespace
 
-void StartDetail(const groom::Groom& groom, exec::WorkerPool& pool, Detail* detail) {
-  detail->levels = std::make_shared<const Levels>(groom, pool);
+void StartDetail(const groom::Groom& groom, std::shared_ptr<const Levels> levels, Detail* detail) {
+  detail->levels = std::move(levels);
   detail->blocks.clear();
   size_t rows = 0;
   for (int i = 0; i < std::ssize(groom.batch.blocks()); ++i) {

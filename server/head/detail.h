@@ -6,7 +6,6 @@
 #include <span>
 #include <vector>
 
-#include "exec/worker_pool.h"
 #include "groom/groom.h"
 #include "head/levels.h"
 #include "math/rigid.h"
@@ -22,7 +21,7 @@ struct Detail {
     double calm = 0;  ///< For so long a coarser level would have done [s].
     size_t first;     ///< In `rows`: coarse state, then offsets and their rates, (N x 3) each.
   };
-  std::shared_ptr<const Levels> levels;  ///< Null where every block is at full detail.
+  std::shared_ptr<const Levels> levels;  ///< Null before StartDetail: all is at full detail.
   std::vector<Block> blocks;
   std::vector<rod::Row<float>> rows;
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< Of the clamp in the last step [m/s].
@@ -31,8 +30,10 @@ struct Detail {
 
 using Rows = std::span<rod::Row<float>>;
 
-/// Makes room for coarse blocks, all at full detail at first. Allocates.
-void StartDetail(const groom::Groom& groom, exec::WorkerPool& pool, Detail* detail);
+/// Lets blocks be coarsened from the next Advance on, all being at full detail at first. Allocates.
+///
+/// @param levels  of `groom`, not null.
+void StartDetail(const groom::Groom& groom, std::shared_ptr<const Levels> levels, Detail* detail);
 
 /// State of a coarse block, as its level's batch packs it.
 [[nodiscard]] Rows CoarseState(const groom::Groom& groom, int block, Detail* detail);

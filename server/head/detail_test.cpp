@@ -1,12 +1,13 @@
 // Laws of heads whose calm hair is stepped with fewer elements:
-//   off         without a tolerance nothing changes, by a bit; turned off, hair goes on from where
-//   it is rest        hair at rest comes to the coarsest level and stays where it was switch what
-//   is shown, and how it moves, is the same before and after any switch motion      no frame after
-//   a switch moves hair otherwise than full detail would tolerance   tips are within it of full
-//   detail, in a shake and after it, with fewer elements calm        levels change a few times a
-//   second at most, and back to full detail when hair bends pure        any number of workers gives
-//   the same bits; a copy of the state replays them frames      reset, teleport and diagnostics are
-//   those of what is shown
+//   off        without a tolerance or levels nothing changes, by a bit; turned off, hair goes on
+//              from where it is
+//   rest       hair at rest comes to the coarsest level and stays where it was
+//   switch     what is shown, and how it moves, is the same before and after any switch
+//   motion     no frame after a switch moves hair otherwise than full detail would
+//   tolerance  tips are within it of full detail, in a shake and after it, with fewer elements
+//   calm       levels change a few times a second at most, and back to full detail when hair bends
+//   pure       any number of workers gives the same bits; a copy of the state replays them
+//   frames     reset, teleport and diagnostics are those of what is shown
 
 #include "head/detail.h"
 
@@ -45,6 +46,14 @@ Environment Tolerant(double tolerance) {
   Environment environment;
   environment.detail_tolerance = tolerance;
   return environment;
+}
+
+// At rest, with the levels that a tolerance takes.
+HeadState Tolerating(const groom::Groom& groom, const math::Pose& pose) {
+  exec::WorkerPool pool(1);
+  HeadState state = AtRest(groom, pose);
+  StartDetail(groom, std::make_shared<const Levels>(groom, pool), &state.detail);
+  return state;
 }
 
 void Play(const groom::Groom& groom, int begin, int end, double size, double tolerance,
@@ -98,7 +107,7 @@ TEST(DetailTest, HairAtRestComesToTheCoarsestLevelAndStaysWhereItWas) {
   exec::WorkerPool pool(1);
   for (const int N : {5, 10}) {
     const auto groom = Curly(40, N);
-    const HeadState rest = AtRest(*groom, {});
+    const HeadState rest = Tolerating(*groom, {});
     HeadState state = rest;
     const Levels levels(*groom, pool);
     for (int i = 0; i < 180; ++i) Advance(*groom, {{}, 1 / 60.0, 1}, Tolerant(1e-3), &state, pool);
@@ -118,7 +127,7 @@ TEST(DetailTest, HairAtRestComesToTheCoarsestLevelAndStaysWhereItWas) {
 TEST(DetailTest, NothingShownChangesWithTheLevel) {
   exec::WorkerPool pool(1);
   const auto groom = Curly(40, 10);
-  HeadState state = AtRest(*groom, Shaken(0, 1));
+  HeadState state = Tolerating(*groom, Shaken(0, 1));
   Play(*groom, 0, 40, 1, 1e-9, &state, pool);
   for (int b = 0; b < std::ssize(groom->batch.blocks()); ++b) {
     const auto& block = groom->batch.blocks()[b];
@@ -146,7 +155,7 @@ TEST(DetailTest, HairMovesOnWithoutAJumpAfterASwitch) {
   exec::WorkerPool pool(1);
   constexpr double kTolerance = 3e-3;
   const auto groom = Curly(64, 10);
-  HeadState state = AtRest(*groom, Shaken(0, 0.3));
+  HeadState state = Tolerating(*groom, Shaken(0, 0.3));
   int switches = 0;
   for (int i = 1; i <= 300; ++i) {
     const std::vector<int> before = LevelsOf(state);
@@ -174,7 +183,7 @@ TEST(DetailTest, TipsStayWithinTheToleranceOfFullDetail) {
         for (const double tolerance : {1e-3, 3e-3, 1e-2}) {
           SCOPED_TRACE(testing::Message()
                        << int(type) << " N=" << N << " size=" << size << " " << tolerance);
-          HeadState full = AtRest(*groom, Shaken(0, size)), coarse = full;
+          HeadState full = Tolerating(*groom, Shaken(0, size)), coarse = full;
           double worst = 0, stepped = 0;
           for (int i = 0; i < 300; ++i) {
             Play(*groom, i, i + 1, size, 0, &full, pool);
@@ -195,7 +204,7 @@ TEST(DetailTest, TipsStayWithinTheToleranceOfFullDetail) {
 TEST(DetailTest, LevelsChangeRarelyAndBendingBringsFullDetailBack) {
   exec::WorkerPool pool(1);
   const auto groom = Curly(64, 10);
-  HeadState state = AtRest(*groom, {});
+  HeadState state = Tolerating(*groom, {});
   for (int i = 0; i < 120; ++i) Advance(*groom, {{}, 1 / 60.0, 1}, Tolerant(1e-3), &state, pool);
   const int calm = SteppedElements(*groom, state);
   int changes = 0;
@@ -213,13 +222,18 @@ TEST(DetailTest, LevelsChangeRarelyAndBendingBringsFullDetailBack) {
 TEST(DetailTest, WithoutAToleranceNothingChangesAndTurnedOffHairGoesOn) {
   exec::WorkerPool pool(2);
   const auto groom = Curly(40, 5);
-  HeadState plain = AtRest(*groom, Shaken(0, 1)), never = plain;
+  HeadState plain = AtRest(*groom, Shaken(0, 1)), early = plain;
+  HeadState never = Tolerating(*groom, Shaken(0, 1));
   Play(*groom, 0, 30, 1, 0, &plain, pool);
   // Full detail throughout, as no bend is below a tolerance of next to nothing.
   Play(*groom, 0, 30, 1, 1e-30, &never, pool);
   EXPECT_TRUE(SameRows(plain.guides, never.guides));
+  // Nor does a tolerance matter before the levels are there.
+  Play(*groom, 0, 30, 1, 1, &early, pool);
+  EXPECT_TRUE(SameRows(plain.guides, early.guides));
+  EXPECT_FALSE(early.detail.levels);
 
-  HeadState state = AtRest(*groom, {});
+  HeadState state = Tolerating(*groom, {});
   for (int i = 0; i < 120; ++i) Advance(*groom, {{}, 1 / 60.0, 1}, Tolerant(1e-3), &state, pool);
   EXPECT_LT(SteppedElements(*groom, state), groom->element_count());
   HeadState off = state;
@@ -231,7 +245,7 @@ TEST(DetailTest, WithoutAToleranceNothingChangesAndTurnedOffHairGoesOn) {
 TEST(DetailTest, AnyNumberOfWorkersAndACopyGiveTheSameBits) {
   const auto groom = Curly(100, 10);
   exec::WorkerPool one(1), three(3);
-  HeadState a = AtRest(*groom, Shaken(0, 0.3)), b = a;
+  HeadState a = Tolerating(*groom, Shaken(0, 0.3)), b = a;
   Play(*groom, 0, 120, 0.3, 3e-3, &a, one);
   Play(*groom, 0, 60, 0.3, 3e-3, &b, three);
   HeadState copy = b;
@@ -246,7 +260,7 @@ TEST(DetailTest, AnyNumberOfWorkersAndACopyGiveTheSameBits) {
 TEST(DetailTest, ResetTeleportAndDiagnosticsAreOfWhatIsShown) {
   exec::WorkerPool pool(1);
   const auto groom = Curly(40, 10);
-  const HeadState rest = AtRest(*groom, {});
+  const HeadState rest = Tolerating(*groom, {});
   HeadState state = rest;
   Play(*groom, 0, 90, 0.1, 1e-2, &state, pool);
   ASSERT_LT(SteppedElements(*groom, state), groom->element_count());
@@ -276,7 +290,7 @@ TEST(DetailTest, WoundHairStaysAtFullDetailAndMovesAsWithout) {
   exec::WorkerPool pool(1);
   const auto groom = GeneratedGroom(HairType::kAfricanFuzzy, 20, 0.1, 10);
   for (const groom::Guide& guide : groom->guides) ASSERT_TRUE(guide.wound);
-  HeadState full = AtRest(*groom, {}), tolerant = full;
+  HeadState full = Tolerating(*groom, {}), tolerant = full;
   Play(*groom, 0, 60, 1, 0, &full, pool);
   Play(*groom, 0, 60, 1, 0.01, &tolerant, pool);
   EXPECT_EQ(SteppedElements(*groom, tolerant), groom->element_count());

@@ -35,7 +35,7 @@ int LevelOf(const HeadState& state, int block) {
   return state.detail.levels ? state.detail.blocks[block].level : 0;
 }
 
-// Takes all blocks to full detail. The levels stay, as they take time to make.
+// Takes all blocks to full detail. The levels stay at hand.
 void StopDetail(const groom::Groom& groom, HeadState* state) {
   if (!state->detail.levels) return;
   for (int i = 0; i < std::ssize(groom.batch.blocks()); ++i) {
@@ -196,9 +196,8 @@ StepReport Advance(const groom::Groom& groom, const Movement& movement,
   if ((movement.target.p - state->pose.p).norm() > kFastestHead * movement.duration) {
     Teleport(groom, movement.target, state);
   }
-  const bool detail = environment.detail_tolerance > 0;
+  const bool detail = environment.detail_tolerance > 0 && state->detail.levels;
   if (!detail) StopDetail(groom, state);
-  if (detail && !state->detail.levels) StartDetail(groom, pool, &state->detail);
   thread_local std::vector<StepDrive> own_drives;
   std::vector<StepDrive>& drives = own_drives;
   const WindField wind(environment.wind, environment.wind_variation);

@@ -19,7 +19,8 @@ namespace mane::head {
 struct Environment : rod::Surroundings {
   WindVariation wind_variation;
   /// How far tips may be off [m] where blocks of guides that bend little are stepped with fewer
-  /// elements (rod.md, Detail); 0 for full detail.
+  /// elements (rod.md, Detail); 0 for full detail. Acts once StartDetail has given the head its
+  /// levels.
   double detail_tolerance = 0;
 };
 

@@ -10,7 +10,7 @@ using Eigen::Vector3d;
 using rod::layout::kLanes;
 using Rows = std::vector<rod::Row<float>>;
 
-constexpr int kBlocksPerPiece = 1;  // One takes a millisecond.
+constexpr int kBlocksPerPiece = 1;  // One takes a quarter of a millisecond or more.
 // A strand of fewer elements than these is not worth the name.
 constexpr int kFewestElements = 2;
 // A level is worth having from so few elements on, relative to the one before.
@@ -78,7 +78,7 @@ class Merging {
       double least = 0;
       for (int Q = 0; Q + 1 < block_.elements; ++Q) {
         if (parts_[Q] == parts_[Q + 1] || forbidden_[Q]) continue;
-        const double cost = Cost(Without(Q), parts_[Q]);
+        const double cost = Cost(PartBegin(parts_[Q]), PartBegin(parts_[Q] + 2));
         if (best < 0 || cost < least) best = Q, least = cost;
       }
       if (best < 0) return;
@@ -118,20 +118,23 @@ class Merging {
     return parts;
   }
 
-  // How far the rest shape, or a typical motion, is off where the fine elements of part `c` are of
+  // First fine element of part `c`, or N beyond the last.
+  [[nodiscard]] int PartBegin(int c) const {
+    return static_cast<int>(std::ranges::lower_bound(parts_, c) - parts_.begin());
+  }
+
+  // How far the rest shape, or a typical motion, is off where the fine elements [begin, end) are of
   // one curvature [m], the worst of all strands.
-  [[nodiscard]] double Cost(const rod::Parts& parts, int c) const {
+  [[nodiscard]] double Cost(int begin, int end) const {
     double worst = 0;
     for (const rod::RestingStrand& strand : fine_) {
       double length = 0, loss = 0;
       Vector3d sum = Vector3d::Zero();
-      for (int Q = 0; Q < block_.elements; ++Q) {
-        if (parts[Q] != c) continue;
+      for (int Q = begin; Q < end; ++Q) {
         length += strand.strand.length[Q];
         sum += strand.rest[Q];
       }
-      for (int Q = 0; Q < block_.elements; ++Q) {
-        if (parts[Q] != c) continue;
+      for (int Q = begin; Q < end; ++Q) {
         const double share = strand.strand.length[Q] / length;
         loss += (strand.rest[Q] - share * sum).norm() * length / 4;
       }
@@ -164,7 +167,9 @@ class Merging {
 
 std::vector<Level> MakeLevels(const groom::Groom& groom, const rod::Batch<float>::Block& block) {
   std::vector<Level> levels;
-  if (block.kind == rod::layout::Kind::kWound) return levels;
+  if (block.kind == rod::layout::Kind::kWound || block.elements > Levels::kMostElements) {
+    return levels;
+  }
   Merging merging(groom, block);
   for (int k = 1; k <= Levels::kMost; ++k) {
     const int before = merging.elements();

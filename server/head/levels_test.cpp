@@ -1,7 +1,8 @@
 // Properties of the coarser levels of a groom:
-//   counts     they have about half and a quarter of the elements, in the lanes of the groom's own
-//   blocks rest       prolonged rest shape and rest detail sum to the rest shape still      a
-//   strand at rest on any level stays there
+//   counts  they have about half and a quarter of the elements, in the lanes of the groom's blocks
+//   bound   strands of very many elements have none
+//   rest    prolonged rest shape and rest detail sum to the rest shape
+//   still   a strand at rest on any level stays there
 
 #include "head/levels.h"
 
@@ -42,6 +43,14 @@ TEST(LevelsTest, HaveAboutHalfAndAQuarterOfTheElements) {
     }
     // Short curly hair is far from buckling: nothing is in the way.
     EXPECT_EQ(found, N < 3 ? 0 : N == 3 ? 1 : 2) << N;
+  }
+}
+
+TEST(LevelsTest, StrandsOfVeryManyElementsHaveNone) {
+  exec::WorkerPool pool(1);
+  for (const int N : {Levels::kMostElements, Levels::kMostElements + 1}) {
+    const auto groom = GeneratedGroom(groom::HairType::kCaucasianCurly, 4, 0.1, N);
+    EXPECT_EQ(Levels(*groom, pool).Count(0), N <= Levels::kMostElements ? 2 : 0) << N;
   }
 }
 

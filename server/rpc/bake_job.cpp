@@ -17,8 +17,6 @@ constexpr size_t kChunkBytes = 512 * 1024;
 constexpr size_t kMaxResultBytes = size_t{4} << 30;
 // Element-steps of one frame, half a second or so (session/admission.h).
 constexpr double kMaxFrameWork = 4e5;
-constexpr double kLeastPoseGap = 1e-6;  // [s], as on a stream.
-constexpr double kLongestPoseGap = 1;   // [s]
 
 // float64 numbers of a packed field that must hold `count` x `width` of them.
 Result<std::vector<double>> Unpack(const std::string& bytes, size_t count, size_t width,
@@ -51,8 +49,9 @@ Result<std::vector<session::PoseCommand>> ToMotion(const v1::PoseTrack& track) {
     const auto time_field = fmt::format("motion.times_s[{}]", i);
     if (const auto ok = CheckRange(time_field, time, -kMaxTime, kMaxTime); !ok) return ok.error();
     if (i > 0) {
-      const auto ok = CheckRange(fmt::format("{} - motion.times_s[{}]", time_field, i - 1),
-                                 time - motion.back().time, kLeastPoseGap, kLongestPoseGap);
+      const auto ok =
+          CheckRange(fmt::format("{} - motion.times_s[{}]", time_field, i - 1),
+                     time - motion.back().time, session::kLeastPoseGap, session::kLongestPoseGap);
       if (!ok) return InvalidArgument(time_field, ok.error().message);
     }
     v1::Vector3 p;
@@ -131,6 +130,9 @@ Result<void> RunBake(GroomLibrary& grooms, exec::WorkerPool& pool, jobs::JobCont
   if (const auto ok = AdmitBake(groom, *bake); !ok) return ok;
 
   head::HeadState state = head::AtRest(groom, bake->motion.front().pose);
+  if (bake->environment.detail_tolerance > 0) {
+    head::StartDetail(groom, std::make_shared<const head::Levels>(groom, pool), &state.detail);
+  }
   BakeChunk chunk;
   for (size_t i = 0; i < bake->motion.size(); ++i) {
     if (context.Cancelled()) return jobs::JobContext::StoppedError();

@@ -150,8 +150,7 @@ Result<std::shared_ptr<const groom::Groom>> GroomLibrary::Read(const storage::Gr
   if (!parts) return parts.error();
   // Limits are for uploads: what is stored stays usable when they are lowered.
   constexpr int kNone = std::numeric_limits<int>::max();
-  return groom::Assemble(*std::move(parts), {kNone, kNone, kNoWork, kNone, kNoWork, kNone, kNone},
-                         &pool_);
+  return groom::Assemble(*std::move(parts), {kNone, kNone, kNone, kNoWork, kNone, kNone}, &pool_);
 }
 
 }  // namespace mane::rpc

@@ -34,6 +34,12 @@ struct PoseCommand {
   bool teleport = false;
 };
 
+/// Least time between poses [s].
+inline constexpr double kLeastPoseGap = 1e-6;
+/// Longest time between poses that are all shown, of lockstep heads and bakes [s]: a second, and
+/// what rounding of its two ends may add, on clocks that count from 1970, too.
+inline constexpr double kLongestPoseGap = 1 + 1e-6;
+
 /// Hair to its rest shape, standing still.
 struct ResetCommand {};
 

@@ -13,9 +13,6 @@ namespace {
 // A real-time head that stood still longer than this (its client was away) goes on from where its
 // head is now, rather than moving there in one frame [s].
 constexpr double kLongestGap = 0.5;
-// Least time between poses, and in lockstep the longest [s].
-constexpr double kLeastPoseGap = 1e-6;
-constexpr double kLongestPoseGap = 1;
 // Least time between two notices of a kind [s].
 constexpr double kNoticePeriod = 1;
 // Commands and frames a head may have waiting before its client is read no further; in lockstep
@@ -36,11 +33,12 @@ Mailbox MakeMailbox(const groom::Groom& groom, const HeadOptions& options) {
 }  // namespace
 
 HeadSession::HeadSession(std::string name, std::shared_ptr<const groom::Groom> groom,
-                         const HeadOptions& options, exec::WorkerPool& pool)
+                         const HeadOptions& options, exec::WorkerPool& pool, LevelLibrary& levels)
     : name_(std::move(name)),
       groom_(std::move(groom)),
       options_(options),
       pool_(pool),
+      levels_(levels),
       max_backlog_(MaxBacklog(*groom_, options)),
       state_(head::AtRest(*groom_, options.initial_pose)),
       environment_(options.environment),
@@ -83,7 +81,7 @@ Result<void> HeadSession::Submit(const Command& command) {
     if (!lockstep || running_) return {};
     running_ = true;
   }
-  Start([this] { RunCommand(); });
+  Start(pool_, [this] { RunCommand(); });
   return {};
 }
 
@@ -153,20 +151,32 @@ void HeadSession::Notify(const Notice& notice) {
 }
 
 template <typename Work>
-void HeadSession::Start(Work work) {
-  pool_.Post([self = shared_from_this(), work] {
+void HeadSession::Start(exec::WorkerPool& pool, Work work) {
+  pool.Post([self = shared_from_this(), work] {
     try {
       work();
     } catch (const std::exception& fault) {
       self->End({ErrorCode::kInternal, fmt::format("{}: {}", self->name_, fault.what()), ""});
-      return;  // `running_` stays set: nothing touches the state again.
+      return;  // Nothing touches the state again: `running_` stays set where a task of it failed.
     }
     std::lock_guard lock(self->sink_mutex_);
     if (self->sink_ != nullptr) self->sink_->OnProgress();
   });
 }
 
+void HeadSession::PrepareDetail() {
+  if (!(environment_.detail_tolerance > 0) || state_.detail.levels) return;
+  const bool lockstep = options_.pacing == Pacing::kLockstep;
+  auto levels = lockstep ? levels_.FindOrMake(groom_) : levels_.Find(groom_);
+  if (levels) {
+    head::StartDetail(*groom_, std::move(levels), &state_.detail);
+  } else if (!std::exchange(levels_ordered_, true)) {
+    Start(levels_.pool(), [this] { (void)levels_.FindOrMake(groom_); });
+  }
+}
+
 void HeadSession::MoveTo(const math::Pose& target, double duration) {
+  PrepareDetail();
   const head::Movement movement{target, duration, options_.substeps};
   repaired_ += head::Advance(*groom_, movement, environment_, &state_, pool_).repaired_guides;
 }
@@ -227,7 +237,7 @@ void HeadSession::RunCommand() {
     running_ = !commands_.empty() && !end_;
     if (!running_) return;
   }
-  Start([this] { RunCommand(); });  // Behind the heads that wait already.
+  Start(pool_, [this] { RunCommand(); });  // Behind the heads that wait already.
 }
 
 // --- real time ---
@@ -244,7 +254,7 @@ void HeadSession::Tick(double due, int missed) {
     }
     running_ = true;
   }
-  Start([this, due, now] { RunTick(due, now); });
+  Start(pool_, [this, due, now] { RunTick(due, now); });
 }
 
 std::optional<math::Pose> HeadSession::RealtimeTarget(double due, double* time,

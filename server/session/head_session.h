@@ -12,6 +12,7 @@
 #include "groom/groom.h"
 #include "session/command.h"
 #include "session/frame.h"
+#include "session/level_library.h"
 #include "session/mailbox.h"
 #include "session/motion_buffer.h"
 
@@ -46,7 +47,7 @@ class FrameSink {
 class HeadSession : public std::enable_shared_from_this<HeadSession> {
  public:
   HeadSession(std::string name, std::shared_ptr<const groom::Groom> groom,
-              const HeadOptions& options, exec::WorkerPool& pool);
+              const HeadOptions& options, exec::WorkerPool& pool, LevelLibrary& levels);
 
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] const groom::Groom& groom() const { return *groom_; }
@@ -86,10 +87,14 @@ class HeadSession : public std::enable_shared_from_this<HeadSession> {
   // Lockstep: one command, then to the end of the pool's line: a client that always has more keeps
   // no worker from other heads.
   void RunCommand();
-  // Runs `work` on the pool as this head's only task; a failed check ends the head.
+  // Runs `work` on `pool` and tells the sink; a failed check ends the head.
   template <typename Work>
-  void Start(Work work);
+  void Start(exec::WorkerPool& pool, Work work);
 
+  // Gives the state its levels of detail, where they are wanted. Lockstep makes them if need be, so
+  // that they act from the first frame with a tolerance on, always. Real time goes on without until
+  // they have been made elsewhere.
+  void PrepareDetail();
   void MoveTo(const math::Pose& target, double duration);
   std::shared_ptr<Frame> MakeFrame(double time, double newest_pose_time, double started);
   void NotifyLateness(double now);
@@ -100,6 +105,7 @@ class HeadSession : public std::enable_shared_from_this<HeadSession> {
   const std::shared_ptr<const groom::Groom> groom_;
   const HeadOptions options_;
   exec::WorkerPool& pool_;
+  LevelLibrary& levels_;
   const int max_backlog_;
 
   // Owned by the running task.
@@ -109,7 +115,8 @@ class HeadSession : public std::enable_shared_from_this<HeadSession> {
   double last_pose_time_ = 0;  // Lockstep: client time of the state.
   double shown_time_ = 0;      // Client time of the last frame, once placed.
   int repaired_ = 0;
-  bool placed_ = false;  // The first pose has come.
+  bool placed_ = false;          // The first pose has come.
+  bool levels_ordered_ = false;  // Real time: a task makes them, or has made them.
 
   mutable std::mutex mutex_;
   bool running_ = false;          // A task works or waits for its turn.

@@ -14,8 +14,8 @@
 namespace mane::session {
 namespace {
 
-// How often detached heads are looked at when nothing is due [s].
-constexpr double kIdlePeriod = 0.25;
+// The clock's longest sleep [s]; it is woken for whatever comes up meanwhile.
+constexpr double kLongestSleep = 60;
 
 // 128 bits that nobody can guess.
 std::string MakeToken() {
@@ -31,6 +31,7 @@ Registry::Registry(const RegistryOptions& options, exec::WorkerPool& realtime,
     : options_(options),
       realtime_(realtime),
       lockstep_(lockstep),
+      levels_(lockstep),
       clock_([this](std::stop_token stop) { RunClock(stop); }) {}
 
 Registry::~Registry() {
@@ -89,7 +90,7 @@ Result<OpenedHead> Registry::Open(std::shared_ptr<const groom::Groom> groom,
   const uint64_t id = next_id_++;
   exec::WorkerPool& pool = options.pacing == Pacing::kRealtime ? realtime_ : lockstep_;
   const OpenedHead opened{
-      std::make_shared<HeadSession>(fmt::format("heads/{}", id), groom, options, pool),
+      std::make_shared<HeadSession>(fmt::format("heads/{}", id), groom, options, pool, levels_),
       MakeToken()};
   std::lock_guard handover(handover_);
   std::shared_ptr<HeadSession> replaced;
@@ -99,10 +100,10 @@ Result<OpenedHead> Registry::Open(std::shared_ptr<const groom::Groom> groom,
     if (!leaving) return leaving.error();
     if (*leaving != entries_.end()) {
       replaced = std::move((*leaving)->second.head);
-      entries_.erase(*leaving);
+      Erase(*leaving);
     }
     Entry& entry = entries_[id];
-    entry = {opened.head, opened.resume_token, request_id, sink, 0, 0};
+    entry = {opened.head, opened.resume_token, request_id, sink, 0};
     Schedule(id, entry);
   }
   opened.head->Attach(sink);
@@ -145,7 +146,9 @@ void Registry::Leave(const std::shared_ptr<HeadSession>& head, FrameSink* sink) 
     const auto item = Find(head.get());
     if (item != entries_.end() && item->second.sink == sink) {
       item->second.sink = nullptr;
-      item->second.expires = base::SteadySeconds() + options_.resume_grace;
+      Plan(item->first, item->second, base::SteadySeconds() + options_.resume_grace);
+      rescheduled_ = true;
+      wake_.notify_one();
     }
   }
   head->Detach(sink);
@@ -155,7 +158,7 @@ void Registry::Close(const std::shared_ptr<HeadSession>& head, FrameSink* sink) 
   {
     std::lock_guard lock(mutex_);
     const auto item = Find(head.get());
-    if (item != entries_.end() && item->second.sink == sink) entries_.erase(item);
+    if (item != entries_.end() && item->second.sink == sink) Erase(item);
   }
   head->Detach(sink);
 }
@@ -174,6 +177,7 @@ void Registry::EndAll(const Error& error) {
   {
     std::lock_guard lock(mutex_);
     entries.swap(entries_);
+    agenda_ = {};
   }
   for (const auto& [id, entry] : entries) entry.head->End(error);
 }
@@ -203,15 +207,26 @@ Registry::Entries::iterator Registry::LongestDetached() {
   auto oldest = entries_.end();
   for (auto item = entries_.begin(); item != entries_.end(); ++item) {
     if (item->second.sink != nullptr) continue;
-    if (oldest == entries_.end() || item->second.expires < oldest->second.expires) oldest = item;
+    if (oldest == entries_.end() || item->second.moment < oldest->second.moment) oldest = item;
   }
   return oldest;
 }
 
+void Registry::Erase(Entries::iterator item) {
+  agenda_.Remove(item->first);
+  entries_.erase(item);
+}
+
+void Registry::Plan(uint64_t id, Entry& entry, double moment) {
+  entry.moment = moment;
+  agenda_.Set(id, moment);
+}
+
 void Registry::Schedule(uint64_t id, Entry& entry) {
+  if (entry.head->options().pacing == Pacing::kLockstep) return agenda_.Remove(id);
   // The golden ratio spreads any number of heads evenly over their period.
   const double phase = std::fmod(static_cast<double>(id) * 0.6180339887498949, 1.0);
-  entry.due = base::SteadySeconds() + phase / entry.head->options().rate_hz;
+  Plan(id, entry, base::SteadySeconds() + phase / entry.head->options().rate_hz);
   rescheduled_ = true;
   wake_.notify_one();
 }
@@ -219,14 +234,14 @@ void Registry::Schedule(uint64_t id, Entry& entry) {
 void Registry::RunClock(std::stop_token stop) {
   std::unique_lock lock(mutex_);
   while (!stop.stop_requested()) {
-    const double now = base::SteadySeconds();
-    const double next = TickDue(now, lock);
-    const auto pause = std::chrono::duration<double>(std::max(0.0, next - base::SteadySeconds()));
-    wake_.wait_for(lock, stop, pause, [this] { return std::exchange(rescheduled_, false); });
+    TickDue(base::SteadySeconds(), lock);
+    const double pause = std::clamp(agenda_.next() - base::SteadySeconds(), 0.0, kLongestSleep);
+    wake_.wait_for(lock, stop, std::chrono::duration<double>(pause),
+                   [this] { return std::exchange(rescheduled_, false); });
   }
 }
 
-double Registry::TickDue(double now, std::unique_lock<std::mutex>& lock) {
+void Registry::TickDue(double now, std::unique_lock<std::mutex>& lock) {
   struct DueTick {
     std::shared_ptr<HeadSession> head;
     double due;
@@ -234,25 +249,18 @@ double Registry::TickDue(double now, std::unique_lock<std::mutex>& lock) {
   };
   std::vector<DueTick> ticks;
   std::vector<std::shared_ptr<HeadSession>> expired;
-  double next = now + kIdlePeriod;
-  for (auto item = entries_.begin(); item != entries_.end();) {
+  for (const uint64_t id : agenda_.TakeDue(now)) {
+    const auto item = entries_.find(id);
     Entry& entry = item->second;
     if (entry.sink == nullptr) {
-      if (entry.expires <= now) {
-        expired.push_back(std::move(entry.head));
-        item = entries_.erase(item);
-        continue;
-      }
-    } else if (entry.head->options().pacing == Pacing::kRealtime) {
-      const double period = 1 / entry.head->options().rate_hz;
-      if (entry.due <= now) {
-        const int missed = static_cast<int>((now - entry.due) / period);
-        ticks.push_back({entry.head, entry.due + missed * period, missed});
-        entry.due += (missed + 1) * period;
-      }
-      next = std::min(next, entry.due);
+      expired.push_back(std::move(entry.head));
+      entries_.erase(item);
+      continue;
     }
-    ++item;
+    const double period = 1 / entry.head->options().rate_hz;
+    const int missed = static_cast<int>((now - entry.moment) / period);
+    ticks.push_back({entry.head, entry.moment + missed * period, missed});
+    Plan(id, entry, entry.moment + (missed + 1) * period);
   }
   lock.unlock();
   for (const DueTick& tick : ticks) tick.head->Tick(tick.due, tick.missed);
@@ -260,7 +268,6 @@ double Registry::TickDue(double now, std::unique_lock<std::mutex>& lock) {
     head->End({ErrorCode::kCancelled, "the stream did not come back in time", ""});
   }
   lock.lock();
-  return next;
 }
 
 }  // namespace mane::session

@@ -11,6 +11,7 @@
 
 #include "base/result.h"
 #include "exec/worker_pool.h"
+#include "session/agenda.h"
 #include "session/head_session.h"
 
 namespace mane::session {
@@ -39,7 +40,8 @@ struct OpenedHead {
 /// called.
 class Registry {
  public:
-  /// Real-time heads run on `realtime`, the others on `lockstep`, so that these do not delay those.
+  /// Real-time heads run on `realtime`, the others on `lockstep`, so that these do not delay those;
+  /// there, too, levels of detail are made.
   Registry(const RegistryOptions& options, exec::WorkerPool& realtime, exec::WorkerPool& lockstep);
   /// Ends all heads and stops the clock.
   ~Registry();
@@ -76,20 +78,22 @@ class Registry {
     std::string token;
     std::string request_id;
     FrameSink* sink = nullptr;  // Null while detached.
-    double expires = 0;         // While detached [s].
-    double due = 0;             // Next tick while attached in real time [s].
+    double moment = 0;          // When it is on the agenda [s].
   };
   using Entries = std::map<uint64_t, Entry>;
 
   void RunClock(std::stop_token stop);
-  // Ticks what is due at `now`; returns when to look again. Called with `lock` held; releases it
-  // around calls of heads.
-  double TickDue(double now, std::unique_lock<std::mutex>& lock);
+  // Ticks what is due at `now`, ends what has expired. Called with `lock` held; releases it around
+  // calls of heads.
+  void TickDue(double now, std::unique_lock<std::mutex>& lock);
   Entries::iterator Find(const HeadSession* head);
   // The detached entry that expires first, or end().
   Entries::iterator LongestDetached();
+  // Puts an entry on the agenda.
+  void Plan(uint64_t id, Entry& entry, double moment);
   // Sets the first tick of a newly attached head and has the clock look at it.
   void Schedule(uint64_t id, Entry& entry);
+  void Erase(Entries::iterator item);
 
   // What keeps a head out, if anything does; else the entry that leaves for it, or end(): the one
   // of the same `request_id`, or at `max_heads` the one detached longest. Changes nothing, so that
@@ -100,6 +104,7 @@ class Registry {
   const RegistryOptions options_;
   exec::WorkerPool& realtime_;
   exec::WorkerPool& lockstep_;
+  LevelLibrary levels_;
 
   // Held by Open, once it has built its head, and by Resume until they have attached, so that two
   // streams which want one head get it one after the other. Taken before every other lock.
@@ -110,6 +115,8 @@ class Registry {
   std::condition_variable_any wake_;
   bool rescheduled_ = false;  // The clock must look again.
   Entries entries_;
+  // Next ticks of attached heads in real time, and when detached ones expire.
+  Agenda agenda_;
   std::atomic<uint64_t> next_id_ = 1;
 
   std::jthread clock_;  // Last: stopped before the rest goes.

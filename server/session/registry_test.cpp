@@ -105,7 +105,24 @@ TEST_F(RegistryTest, TimesMustIncreaseAndLockstepGapsAreLimited) {
   EXPECT_EQ(back.error().field, "teleport.time_s");
   EXPECT_TRUE(head->Submit(PoseCommand{100, {}, /*teleport=*/true}));
   EXPECT_TRUE(head->Submit(PoseCommand{101, {}}));
+  EXPECT_FALSE(head->Submit(PoseCommand{102.00001, {}}));
   registry.Close(head, &stream);
+}
+
+TEST_F(RegistryTest, AGapOfOneSecondIsAllowedHoweverItsTimesAreRounded) {
+  Registry registry({}, pool_, pool_);
+  int above = 0;
+  for (const auto& [first, second] :
+       {std::pair{1.2, 2.2}, {3.4, 4.4}, {0.1, 1.1}, {1.7e9, 1.7e9 + 1.0000002}}) {
+    above += second - first > 1;
+    TestStream stream;
+    const auto head = Open(registry, stream, Pacing::kLockstep);
+    EXPECT_TRUE(head->Submit(PoseCommand{first, {}}));
+    EXPECT_TRUE(head->Submit(PoseCommand{second, {}})) << first;
+    EXPECT_TRUE(stream.WaitForFrames(2));
+    registry.Close(head, &stream);
+  }
+  EXPECT_GT(above, 0);  // Some of them round upward.
 }
 
 TEST_F(RegistryTest, RealtimeTicksByItself) {

@@ -44,7 +44,8 @@ TEST_F(ResumeTest, ResumingTakesTheHeadFromAStreamThatStillHoldsIt) {
 }
 
 TEST_F(ResumeTest, AStreamThatComesToAnEndedHeadIsTold) {
-  const auto head = std::make_shared<HeadSession>("heads/1", groom_, HeadOptions(), pool_);
+  LevelLibrary levels(pool_);
+  const auto head = std::make_shared<HeadSession>("heads/1", groom_, HeadOptions(), pool_, levels);
   head->End({ErrorCode::kUnavailable, "the server is stopping", ""});
   head->End({ErrorCode::kInternal, "too late", ""});
   TestStream stream;
@@ -61,6 +62,24 @@ TEST_F(ResumeTest, HeadsWithoutAStreamExpire) {
   EXPECT_TRUE(WaitUntil([&] { return registry.head_count() == 0; }));
   EXPECT_FALSE(registry.Resume(token_, &stream));
   EXPECT_FALSE(head->Submit(Pose(1)));
+}
+
+TEST_F(ResumeTest, ALockstepHeadExpiresUnlessItsStreamComesBack) {
+  Registry registry({.max_heads = 10, .resume_grace = 0.05}, pool_, pool_);
+  TestStream first;
+  const auto back = Open(registry, first, Pacing::kLockstep);
+  const std::string token = token_;
+  for (int round = 0; round < 3; ++round) {  // After the first, the clock has nothing else to do.
+    TestStream second;
+    const auto gone = Open(registry, second, Pacing::kLockstep);
+    registry.Leave(back, &first);
+    registry.Leave(gone, &second);
+    ASSERT_TRUE(registry.Resume(token, &first));
+    ASSERT_TRUE(WaitUntil([&] { return registry.head_count() == 1; }));
+    EXPECT_FALSE(gone->Submit(Pose(1)));
+    EXPECT_TRUE(back->Submit(Pose(round + 1)));
+  }
+  registry.Close(back, &first);
 }
 
 TEST_F(ResumeTest, OpeningAgainWithARequestIdReplacesTheLostTry) {

@@ -32,17 +32,18 @@ math::Pose HeadAt(double t, double size) {
 }
 
 std::vector<Vector3d> Tips(const groom::Groom& groom, const HeadState& state) {
-  const std::vector<double> coordinates = Coordinates(groom, state);
-  std::vector<Vector3d> tips, theta;
+  const std::vector<double> coordinates = Coordinates(groom, state);  // Of plain guides.
+  std::vector<Vector3d> theta(coordinates.size() / 3);
+  for (size_t Q = 0; Q < theta.size(); ++Q) {
+    theta[Q] = Eigen::Map<const Vector3d>(&coordinates[3 * Q]);
+  }
+  std::vector<Vector3d> tips;
   for (int i = 0; i < groom.guide_count(); ++i) {
-    theta.resize(groom.guides[i].strand.elements());
-    for (size_t Q = 0; Q < theta.size(); ++Q) {
-      theta[Q] = Eigen::Map<const Vector3d>(&coordinates[groom.first_coordinate[i] + 3 * Q]);
-    }
-    tips.push_back(
-        rod::ElementFrames(groom.guides[i].strand, state.pose * groom.guides[i].root, theta)
-            .back()
-            .r);
+    const size_t first = groom.first_element[i], N = groom.first_element[i + 1] - first;
+    tips.push_back(rod::ElementFrames(groom.guides[i].strand, state.pose * groom.guides[i].root,
+                                      std::span(theta).subspan(first, N))
+                       .back()
+                       .r);
   }
   return tips;
 }
@@ -64,6 +65,7 @@ double Advanced(const groom::Groom& groom, const Movement& movement, const Envir
 std::string Measure(const groom::Groom& groom, double size, double tolerance) {
   exec::WorkerPool pool(1);
   HeadState full = AtRest(groom, {}), coarse = full;
+  StartDetail(groom, std::make_shared<const Levels>(groom, pool), &coarse.detail);
   Environment tolerant;
   tolerant.detail_tolerance = tolerance;
   std::vector<double> full_times, coarse_times;

@@ -45,7 +45,8 @@ class Kind:
     """A hair type, and how to show it.
 
     hair_color: linear RGB. tip_part: of the drawn wisps, see `Look`. points: along each guide, so
-    many that curls show. curl_variation: see `GuideGeneration`.
+    many that curls show. curl_variation: see `GuideGeneration`; so little that fuzzy guides stay
+    wound.
     """
 
     hair_type: HairType
@@ -59,7 +60,7 @@ KINDS = {
     Hair.SMOOTH: Kind(HairType.ASIAN_SMOOTH, (0.030, 0.022, 0.020), 0.6, 32),
     Hair.WAVY: Kind(HairType.CAUCASIAN_WAVY, (0.180, 0.085, 0.035), 0.5, 48),
     Hair.CURLY: Kind(HairType.CAUCASIAN_CURLY, (0.120, 0.040, 0.018), 0.4, 96),
-    Hair.FUZZY: Kind(HairType.AFRICAN_FUZZY, (0.040, 0.025, 0.018), 1.3, 128, 0.6),
+    Hair.FUZZY: Kind(HairType.AFRICAN_FUZZY, (0.040, 0.025, 0.018), 1.3, 128, 0.08),
 }
 
 
