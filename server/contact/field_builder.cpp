@@ -30,7 +30,7 @@ constexpr int kGrain = 16;  // Root cells a piece.
 constexpr uint64_t kLooksSeed = 0x6d616e65;
 
 // What the interpolation misses in a cell of side s, over s: at the worst, where all corners look
-// away from one point; and per difference of two corners' normals, across a fold (D12).
+// away from one point; and per difference of two corners' normals, across a fold (D13).
 constexpr double kCusp = 0.44;
 constexpr double kFold = 0.125;
 

@@ -65,6 +65,20 @@ struct FieldSample {
   float d, gx, gy, gz;
 };
 
+/// Asks memory for the corners that Interpolate will read.
+[[gnu::always_inline]] inline void Prefetch(const NodeBlock& block, const float (&share)[3]) {
+  size_t at[3];
+  for (int a = 0; a < 3; ++a) {
+    const int place = static_cast<int>(share[a] * static_cast<float>(block.n));
+    at[a] = place < block.n ? place : block.n - 1;
+  }
+  const FieldGrid::Node* corner = block.first + at[2] * block.layer + at[1] * block.row + at[0];
+  __builtin_prefetch(corner);
+  __builtin_prefetch(corner + block.row);
+  __builtin_prefetch(corner + block.layer);
+  __builtin_prefetch(corner + block.layer + block.row);
+}
+
 /// (D10) and (D11) at a point of a block.
 /// @param u,v,w  along x, y, z as shares of the block's side, in [0, 1].
 [[gnu::always_inline]] inline FieldSample Interpolate(const NodeBlock& block, float u, float v,

@@ -1,5 +1,7 @@
 #include "contact/mesh_field.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -12,6 +14,9 @@ namespace {
 
 // Gradients shorter than this, where opposite sides are equally near, are no direction.
 constexpr float kNoDirection = 1e-6F;
+
+// Points whose places are found before the first is looked at.
+constexpr size_t kAhead = 16;
 
 // A grid's numbers in float32, for the loop over points.
 struct Lattice {
@@ -36,10 +41,16 @@ FieldSample NearestCorner(const NodeBlock& block, const float (&share)[3], float
   return {d, node.gx, node.gy, node.gz};
 }
 
-[[gnu::always_inline]] inline FieldSample Look(const Lattice& lattice, float px, float py,
-                                               float pz) {
+// A point's place in the field.
+struct Place {
+  NodeBlock block;
+  float share[3];   // Of the block.
+  float beyond[3];  // The grid [m].
+};
+
+[[gnu::always_inline]] inline Place Find(const Lattice& lattice, float px, float py, float pz) {
   const float p[3] = {px, py, pz};
-  float share[3], beyond[3];  // Beyond the grid [m].
+  Place place;
   int cell[3];
   for (int i = 0; i < 3; ++i) {
     const float x = (p[i] - lattice.origin[i]) * lattice.per_side;
@@ -47,15 +58,21 @@ FieldSample NearestCorner(const NodeBlock& block, const float (&share)[3], float
     const float within = above < lattice.cells[i] ? above : lattice.cells[i];
     const int last = static_cast<int>(lattice.cells[i]) - 1;
     cell[i] = static_cast<int>(within) < last ? static_cast<int>(within) : last;
-    share[i] = within - static_cast<float>(cell[i]);
-    beyond[i] = (x - within) * lattice.side;
+    place.share[i] = within - static_cast<float>(cell[i]);
+    place.beyond[i] = (x - within) * lattice.side;
   }
   const FieldGrid& grid = lattice.grid;
-  const NodeBlock block = Locate(grid, grid.Root(cell[0], cell[1], cell[2]), share);
-  FieldSample sample = Interpolate(block, share[0], share[1], share[2]);
+  place.block = Locate(grid, grid.Root(cell[0], cell[1], cell[2]), place.share);
+  return place;
+}
+
+[[gnu::always_inline]] inline FieldSample Look(const Place& place) {
+  const float(&share)[3] = place.share;
+  const float(&beyond)[3] = place.beyond;
+  FieldSample sample = Interpolate(place.block, share[0], share[1], share[2]);
   float squared = sample.gx * sample.gx + sample.gy * sample.gy + sample.gz * sample.gz;
   if (!(squared > kNoDirection)) [[unlikely]] {
-    sample = NearestCorner(block, share, sample.d);
+    sample = NearestCorner(place.block, share, sample.d);
     squared = sample.gx * sample.gx + sample.gy * sample.gy + sample.gz * sample.gz;
   }
   const float scale = 1 / std::sqrt(squared);
@@ -97,19 +114,32 @@ Result<std::shared_ptr<const MeshField>> MeshField::Build(const TriangleMesh& me
 }
 
 Distance MeshField::At(const Eigen::Vector3d& point) const {
-  const FieldSample sample = Look(Lattice(grid_), static_cast<float>(point.x()),
-                                  static_cast<float>(point.y()), static_cast<float>(point.z()));
+  const Lattice lattice(grid_);
+  const FieldSample sample =
+      Look(Find(lattice, static_cast<float>(point.x()), static_cast<float>(point.y()),
+                static_cast<float>(point.z())));
   return {sample.d, Eigen::Vector3d(sample.gx, sample.gy, sample.gz)};
 }
 
 void MeshField::At(const PointSpans& points, const DistanceSpans& out) const {
   const Lattice lattice(grid_);
-  for (size_t i = 0; i < points.size(); ++i) {
-    const FieldSample sample = Look(lattice, points.x[i], points.y[i], points.z[i]);
-    out.distance[i] = sample.d;
-    out.nx[i] = sample.gx;
-    out.ny[i] = sample.gy;
-    out.nz[i] = sample.gz;
+  // First where points lie, then what is there: memory brings the corners of all of them at once.
+  std::array<Place, kAhead> places;
+  for (size_t begin = 0; begin < points.size(); begin += kAhead) {
+    const size_t count = std::min(kAhead, points.size() - begin);
+    for (size_t i = 0; i < count; ++i) {
+      const size_t p = begin + i;
+      places[i] = Find(lattice, points.x[p], points.y[p], points.z[p]);
+      Prefetch(places[i].block, places[i].share);
+    }
+    for (size_t i = 0; i < count; ++i) {
+      const size_t p = begin + i;
+      const FieldSample sample = Look(places[i]);
+      out.distance[p] = sample.d;
+      out.nx[p] = sample.gx;
+      out.ny[p] = sample.gy;
+      out.nz[p] = sample.gz;
+    }
   }
 }
 

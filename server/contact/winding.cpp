@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 constexpr int kLeafSize = 8;
 
 // A node is one dipole from this many radii on; its error falls with the square.
-constexpr double kFar = 3;
+constexpr double kFar = 2;
 
 }  // namespace
 

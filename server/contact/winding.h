@@ -10,7 +10,7 @@ namespace mane::contact {
 ///
 /// The sum of solid angles over 4 pi (D6), with triangles that are far for their spread replaced by
 /// one dipole (D7), after Barill et al., "Fast Winding Numbers for Soups and Clouds" (2018). Of a
-/// closed mesh it is an integer but for the dipoles' error, a few percent at most.
+/// closed mesh it is an integer but for the dipoles' error, a tenth at most.
 class WindingTree {
  public:
   /// Keeps a reference to `mesh`. O(T log T).
