@@ -106,12 +106,14 @@ void FieldBuilder::LayOut() {
 void FieldBuilder::SampleRoots() {
   const int along = cells_[0] + 1, columns = cells_[1] + 1, layers = cells_[2] + 1;
   FieldBlock roots(truth_, grid_.origin, grid_.side, {0, 0, 0}, {along, columns, layers});
-  pool_->ParallelFor(columns * layers, 8, [&](int begin, int end) {
+  pool_->ParallelFor(columns * layers, 16, [&](int begin, int end) {
     for (int row = begin; row < end; ++row) {
+      const int j = row % columns, k = row / columns;
       double bound = kInfinity;
+      if (row > begin && j > 0) bound = roots.distance(roots.At(0, j - 1, k)) + grid_.side;
       for (int i = 0; i < along; ++i) {
-        roots.Measure(i, row % columns, row / columns, bound);
-        bound = roots.distance(static_cast<size_t>(row) * along + i) + grid_.side;
+        roots.Measure(i, j, k, bound);
+        bound = roots.distance(roots.At(i, j, k)) + grid_.side;
       }
     }
   });
