@@ -13,6 +13,7 @@
 #include <cstring>
 #include <limits>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "contact/mesh_field.h"
@@ -146,6 +147,23 @@ TEST_F(FieldTest, NormalsLeadOutFromAnywhereInside) {
       EXPECT_LT(steps, 100);
     }
   }
+}
+
+TEST_F(FieldTest, WhereAllCornersLookAwayOneOfThemDecides) {
+  FieldGrid grid;  // The middle of a ball in the middle of its only cell.
+  grid.side = 0.1;
+  grid.cells = {1, 1, 1};
+  grid.index.resize(1);
+  grid.index[0].row = 2;
+  for (int corner = 0; corner < 8; ++corner) {
+    const float g = 1 / std::sqrt(3.0F);
+    const auto sign = [&](int axis) { return corner >> axis & 1 ? g : -g; };
+    grid.nodes.push_back({-0.05F, sign(0), sign(1), sign(2)});
+  }
+  const MeshField field(std::move(grid), {}, 0);
+  const Distance at = field.At(Vector3d::Constant(0.05));
+  EXPECT_NEAR(at.normal.norm(), 1, 1e-6);
+  EXPECT_NEAR(std::abs(at.normal.x()), std::sqrt(1 / 3.), 1e-6);
 }
 
 TEST_F(FieldTest, OutsideTheGridDistancesGoOn) {
