@@ -19,7 +19,7 @@ struct TriangleMesh {
 /// Which meshes are taken.
 struct MeshLimits {
   int max_vertices = 500'000;     ///< 16 bytes each while a field is built.
-  int max_triangles = 1'000'000;  ///< About 300 bytes each while a field is built.
+  int max_triangles = 1'000'000;  ///< Some hundred bytes each while a field is built.
   double max_coordinate = 1000;   ///< [m], for float32 to resolve 0.1 mm there.
   double max_extent = 100;        ///< Longest side of the bounding box [m].
   /// Area of all holes over the area given. Holes are closed by cones to their centroids: a head
