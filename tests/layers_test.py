@@ -34,6 +34,7 @@ FOLDERS = {
     "exec": Folder(("base",), ("tbb",)),
     "simd": Folder(("base",), ("fmt", "intrinsics")),
     "rod": Folder(("math", "simd"), ("Eigen",), pure=True),
+    "contact": Folder(("rod", "exec"), ("Eigen", "fmt"), ("xxhash", "embree")),
     "wire": Folder(("math",), ("Eigen",), pure=True),
     "groom": Folder(("rod", "exec"), ("Eigen", "fmt"), ("xxhash",)),
     "head": Folder(("groom", "exec", "wire"), ("Eigen", "fmt")),
@@ -62,6 +63,7 @@ LIBRARIES = {
     "toml++": ("toml++/",),
     "gtest": ("gtest/", "gmock/"),
     "xxhash": ("xxhash.h",),
+    "embree": ("embree3/",),
     "intrinsics": ("arm_neon.h", "immintrin.h"),
     "posix": (
         *("sys/", "netinet/", "arpa/"),

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <list>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <utility>
+
+#include "contact/mesh_field.h"
+
+namespace mane::contact {
+
+/// Fields by the content of their meshes: the same mesh gives the same shared field.
+///
+/// Keeps what was used last, up to a number of bytes; what is dropped lives on with those who hold
+/// it. Two who ask for one mesh at once wait for one build. Refused meshes are not remembered.
+///
+/// The digest, XXH3 with 128 bits, is mixed with a secret of the process, so that nobody can make
+/// a mesh that takes the place of another's.
+///
+/// Threads: Get may be called from any, also from workers of the pool. `mutex_` guards the list and
+/// the sizes, an entry's own mutex its build; nobody waits for a build under `mutex_`.
+class FieldCache {
+ public:
+  /// @param max_bytes  of the fields kept; one that alone is larger is not kept.
+  FieldCache(const FieldOptions& options, size_t max_bytes);
+
+  /// The field of `mesh`, built on `pool` if it is not there. @return MeshField::Build's errors.
+  [[nodiscard]] Result<std::shared_ptr<const MeshField>> Get(const TriangleMesh& mesh,
+                                                             exec::WorkerPool* pool);
+
+  [[nodiscard]] size_t bytes() const;
+  [[nodiscard]] size_t size() const;
+
+ private:
+  using Key = std::pair<uint64_t, uint64_t>;
+  struct Entry {
+    std::mutex building;
+    std::shared_ptr<const MeshField> field;  // Guarded by building.
+    size_t bytes = 0;                        // Guarded by the cache's mutex_; 0 while it is built.
+    std::list<Key>::iterator place;          // In by_use_.
+  };
+
+  [[nodiscard]] Key KeyOf(const TriangleMesh& mesh) const;
+  std::shared_ptr<Entry> FindOrAdd(const Key& key);
+  void Settle(const Key& key, const std::shared_ptr<Entry>& entry, size_t bytes);
+  void Drop(const Key& key);
+
+  const FieldOptions options_;
+  const size_t max_bytes_;
+  const uint64_t secret_;
+  mutable std::mutex mutex_;
+  // Guarded by mutex_.
+  std::map<Key, std::shared_ptr<Entry>> entries_;
+  std::list<Key> by_use_;  // Last used first.
+  size_t bytes_ = 0;
+};
+
+}  // namespace mane::contact

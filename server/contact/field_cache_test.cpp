@@ -1,0 +1,88 @@
+// The cache of fields: by content, bounded, built once however many ask.
+
+#include "contact/field_cache.h"
+
+#include <gtest/gtest.h>
+
+#include <thread>
+#include <vector>
+
+#include "contact/test_meshes.h"
+
+namespace mane::contact {
+namespace {
+
+class FieldCacheTest : public ::testing::Test {
+ protected:
+  FieldCacheTest() { options_.tolerance = 3e-3; }
+  std::shared_ptr<const MeshField> Get(FieldCache* cache, const TriangleMesh& mesh) {
+    auto field = cache->Get(mesh, &pool_);
+    EXPECT_TRUE(field);
+    return field ? *field : nullptr;
+  }
+  exec::WorkerPool pool_{2};
+  FieldOptions options_;
+  const TriangleMesh one_ = fixtures::Sphere(2, 0.1), two_ = fixtures::Sphere(2, 0.11);
+};
+
+TEST_F(FieldCacheTest, EqualMeshesShareAField) {
+  FieldCache cache(options_, size_t{1} << 30);
+  const auto first = Get(&cache, one_);
+  EXPECT_EQ(Get(&cache, TriangleMesh(one_)), first);
+  EXPECT_NE(Get(&cache, two_), first);
+  EXPECT_EQ(cache.size(), 2U);
+  EXPECT_EQ(cache.bytes(), first->bytes() + Get(&cache, two_)->bytes());
+  TriangleMesh moved = one_;
+  moved.vertices[5].x() += 1e-3F;
+  EXPECT_NE(Get(&cache, moved), first);
+  TriangleMesh turned = one_;
+  std::swap(turned.triangles[0], turned.triangles[1]);
+  EXPECT_NE(Get(&cache, turned), first);
+}
+
+TEST_F(FieldCacheTest, WhatWasUsedLongestAgoGoes) {
+  const size_t bytes = (*MeshField::Build(one_, options_, &pool_))->bytes();
+  FieldCache cache(options_, 5 * bytes / 2);
+  const auto first = Get(&cache, one_);
+  const auto second = Get(&cache, two_);
+  EXPECT_EQ(Get(&cache, one_), first);
+  Get(&cache, fixtures::Sphere(2, 0.105));
+  EXPECT_LE(cache.bytes(), 5 * bytes / 2);
+  EXPECT_EQ(Get(&cache, one_), first);
+  EXPECT_NE(Get(&cache, two_), second);  // The old one lives on with its holder.
+  EXPECT_GT(second->bytes(), 0U);
+}
+
+TEST_F(FieldCacheTest, WhatIsLargerThanTheCacheIsNotKept) {
+  FieldCache cache(options_, 1000);
+  EXPECT_NE(Get(&cache, one_), nullptr);
+  EXPECT_EQ(cache.size(), 0U);
+  EXPECT_EQ(cache.bytes(), 0U);
+}
+
+TEST_F(FieldCacheTest, RefusedMeshesAreNotKept) {
+  FieldCache cache(options_, size_t{1} << 30);
+  EXPECT_FALSE(cache.Get({}, &pool_));
+  EXPECT_EQ(cache.size(), 0U);
+}
+
+TEST_F(FieldCacheTest, ManyWhoAskAtOnceGetTheSame) {
+  FieldCache cache(options_, size_t{1} << 30);
+  std::vector<std::shared_ptr<const MeshField>> got(8);
+  for (auto& field : got) {
+    pool_.Post([&cache, &field, this] { field = *cache.Get(one_, &pool_); });
+  }
+  std::vector<std::shared_ptr<const MeshField>> more(4);
+  std::vector<std::thread> threads;
+  for (auto& field : more) {
+    threads.emplace_back([&cache, &field, this] { field = *cache.Get(one_, &pool_); });
+  }
+  for (std::thread& thread : threads) thread.join();
+  pool_.WaitIdle();
+  for (const auto& field : got) EXPECT_EQ(field, got[0]);
+  for (const auto& field : more) EXPECT_EQ(field, got[0]);
+  EXPECT_EQ(cache.size(), 1U);
+}
+
+}  // namespace
+}  // namespace mane::contact
