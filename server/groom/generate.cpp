@@ -97,20 +97,24 @@ GuideDescription CommonDescription(const Preset& preset, std::vector<double> len
   return d;
 }
 
+// Whether a strand is a coil that moves rightly, and comes to rest, as a wound one.
+bool MayBeWound(const rod::Strand& strand) {
+  return rod::IsWound(strand) && rod::CoilWeight(strand) <= rod::kMostCoilWeight;
+}
+
 // Whether the guides are to be wound strands: as asked for, or where the hair of even curl would
-// be.
+// be, unless plain ones come nearer to the error target.
 bool MostlyWound(const Generation& generation) {
   if (generation.model) return *generation.model == StrandModel::kWound;
-  const Preset preset = PresetOf(generation.hair_type);
-  const int N = generation.element_count != 0
-                    ? static_cast<int>(generation.element_count)
-                    : ElementCountFor(generation.hair_type, generation.length_m,
-                                      generation.error_target.value_or(kDefaultErrorTarget), true);
-  rod::Strand strand;
-  strand.length.assign(N, generation.length_m / N);
-  strand.natural.assign(N, NaturalCurvature(preset));
-  strand.stiffness = rod::Stiffness(preset.section, preset.material);
-  return rod::IsWound(strand);
+  const double target = generation.error_target.value_or(kDefaultErrorTarget);
+  const HairType type = generation.hair_type;
+  if (generation.element_count != 0) {
+    const int N = static_cast<int>(generation.element_count);
+    return MayBeWound(PresetStrand(type, generation.length_m, N));
+  }
+  if (target < kWoundError && IsResolved(type, generation.length_m)) return false;
+  const int N = ElementCountFor(type, generation.length_m, target, true);
+  return MayBeWound(PresetStrand(type, generation.length_m, N));
 }
 
 }  // namespace
@@ -148,8 +152,8 @@ Result<std::vector<Guide>> Generate(const Scalp& scalp, const Generation& genera
     SetNatural(CurlVariation(mean, generation.curl_variation, lengths, random), &d);
     auto guide = MakeGuide(d, i);
     if (!guide) return guide.error();
-    // One whose curl varies too much for that stays plain.
-    if (wound && rod::IsWound(guide->strand)) {
+    // One whose curl varies too much for that, or that is too heavy, stays plain.
+    if (wound && MayBeWound(guide->strand)) {
       if (auto made = MakeWound(i, &*guide); !made) return made.error();
     }
     guides.push_back(*std::move(guide));

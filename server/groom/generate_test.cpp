@@ -324,10 +324,17 @@ TEST(GenerateTest, TightCurlsAreWoundUnlessAskedOtherwise) {
   EXPECT_EQ(wound(HairType::kCaucasianCurly, 0.1), 0);
   EXPECT_EQ(wound(HairType::kCaucasianCurly, 0.2), 8);
   EXPECT_EQ(wound(HairType::kAfricanFuzzy, 0.1), 8);
+  // Twenty plain elements come nearer than a wound strand can, where they follow the turns.
+  generation.error_target = 0.005;
+  EXPECT_EQ(wound(HairType::kCaucasianCurly, 0.2), 0);
+  EXPECT_EQ(wound(HairType::kAfricanFuzzy, 0.1), 8);
+  generation.error_target.reset();
   generation.model = StrandModel::kSuperHelix;
   EXPECT_EQ(wound(HairType::kAfricanFuzzy, 0.1), 0);
   generation.model = StrandModel::kWound;
-  EXPECT_EQ(wound(HairType::kCaucasianWavy, 0.35), 8);  // 5.6 turns; of itself it would be plain.
+  EXPECT_EQ(wound(HairType::kCaucasianCurly, 0.3), 8);
+  // Weight would unwind it: 5.6 turns of wide coils.
+  EXPECT_EQ(wound(HairType::kCaucasianWavy, 0.35), 0);
   // Curl that varies by its own size is no coil.
   generation.curl_variation = 1;
   EXPECT_LT(wound(HairType::kAfricanFuzzy, 0.1), 8);

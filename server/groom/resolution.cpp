@@ -12,6 +12,7 @@
 #include "math/rigid.h"
 #include "rod/chain.h"
 #include "rod/statics.h"
+#include "rod/wound.h"
 
 namespace mane::groom {
 namespace {
@@ -23,8 +24,9 @@ using std::numbers::pi;
 // most this, and the error of curled hair in motion is at most so many times that at rest.
 constexpr double kStraightError = 0.55;
 constexpr double kMotionOverRest = 1.8;
-// Wound hair of N = 5 is within this at rest and in motion (coil.md), and of 10 as near as it gets.
-constexpr double kCoarseWoundError = 0.02;
+// Wound hair of 5 elements is within kWoundError up to this CoilWeight, of 10 wherever weight lets
+// it be wound (coil.md, Which strands).
+constexpr double kCoarseCoilWeight = 0.18;
 constexpr int kFewestWound = 5, kMostWound = 10;
 
 // Elements of the strand that stands for the converged one.
@@ -65,12 +67,20 @@ double Distance(const Tips& a, const Tips& b) {
   return std::sqrt(squares / static_cast<double>(a.size()));
 }
 
+double Turns(HairType type, double length) {
+  return NaturalCurvature(PresetOf(type)).norm() * length / (2 * pi);
+}
+
 int StraightElements(double target) {
   const double N = std::ceil(std::sqrt(kStraightError / target));
   return static_cast<int>(std::clamp<double>(N, kFewestElements, kMostElements));
 }
 
 }  // namespace
+
+bool IsResolved(HairType type, double length) {
+  return kElementsPerTurn * Turns(type, length) < kMostElements;
+}
 
 rod::Grading GradingOf(HairType type, double length, bool wound) {
   const Preset preset = PresetOf(type);
@@ -94,11 +104,15 @@ rod::Strand PresetStrand(HairType type, double length, int N) {
 }
 
 int ElementCountFor(HairType type, double length, double target, bool wound) {
-  if (wound) return target >= kCoarseWoundError ? kFewestWound : kMostWound;
-  const double turns = NaturalCurvature(PresetOf(type)).norm() * length / (2 * pi);
+  if (wound) {
+    const bool light =
+        rod::CoilWeight(PresetStrand(type, length, kFewestWound)) <= kCoarseCoilWeight;
+    return target >= kWoundError && light ? kFewestWound : kMostWound;
+  }
+  const double turns = Turns(type, length);
   if (turns == 0) return StraightElements(target);
+  if (!IsResolved(type, length)) return kMostElements;
   const double fewest = std::max<double>(kFewestElements, std::ceil(kElementsPerTurn * turns));
-  if (fewest >= kMostElements) return kMostElements;
   const Tips converged = RestingTips(type, length, kReference);
   for (int N = static_cast<int>(fewest); N < kMostElements; ++N) {
     const double error = Distance(RestingTips(type, length, N), converged) / length;

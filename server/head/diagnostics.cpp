@@ -91,7 +91,10 @@ Diagnostics DiagnoseAll(const groom::Groom& groom, const HeadState& state,
 
 Diagnostics Diagnose(const groom::Groom& groom, const HeadState& state,
                      const Environment& environment, exec::WorkerPool& pool) {
-  if (!state.detail.levels) return DiagnoseAll(groom, state, environment, pool);
+  const auto coarse = [](const Detail::Block& block) { return block.level > 0; };
+  if (std::ranges::none_of(state.detail.blocks, coarse)) {
+    return DiagnoseAll(groom, state, environment, pool);
+  }
   return DiagnoseAll(groom, FullDetail(groom, state), environment, pool);
 }
 

@@ -17,6 +17,8 @@ namespace mane::rod::descent {
 
 inline constexpr int kMaxIterations = 200;
 inline constexpr double kTolerance = 1e-9;
+/// Where no step is accepted at a residual below this, rounding is the reason.
+inline constexpr double kNearlyFlat = 1e-4;
 /// Curvature of the energy, relative to the elastic one, that counts as none.
 inline constexpr double kFlat = 1e-6;
 inline constexpr double kEscapeAngle = 0.1;  // rad
@@ -51,6 +53,14 @@ double SquaredNorm(std::span<const V> vectors) {
   return sum;
 }
 
+/// At a saddle there is no slope to follow: off along the most negative curvature.
+template <class Hessian>
+void Escape(Hessian& here, std::span<typename Hessian::Vector> x,
+            std::span<typename Hessian::Vector> step) {
+  (void)here.LowestEigenvalue(step);
+  for (size_t Q = 0; Q < x.size(); ++Q) x[Q] += kEscapeAngle * step[Q];
+}
+
 /// Newton's method with Levenberg's damping down to a local minimum of the energy.
 ///
 /// @tparam Hessian    a ChainHessian<n>.
@@ -73,9 +83,7 @@ StaticsReport Descend(const Strand& strand, const Eigen::Vector3d& gravity,
     if (report.residual <= kTolerance) {
       report.converged = here.Factor(kFlat);
       if (report.converged) break;
-      // At a saddle there is no slope to follow: off along the most negative curvature.
-      (void)here.LowestEigenvalue(step);
-      for (size_t Q = 0; Q < N; ++Q) x[Q] += kEscapeAngle * step[Q];
+      Escape(here, x, step);
       linearize(here, x);
       continue;
     }
@@ -94,7 +102,14 @@ StaticsReport Descend(const Strand& strand, const Eigen::Vector3d& gravity,
       }
       lambda = accepted ? std::max(lambda * 0.2, 1e-12) : std::max(lambda * 5, 1e-12);
     }
-    if (!accepted) break;
+    if (!accepted) {
+      // Rounding may end the descent just above the tolerance, next to a saddle all the same.
+      if (report.residual > kNearlyFlat || here.Factor(kFlat)) break;
+      Escape(here, x, step);
+      linearize(here, x);
+      lambda = 1e-3;
+      continue;
+    }
     std::copy(trial.begin(), trial.end(), x.begin());
     std::swap(here, there);
   }

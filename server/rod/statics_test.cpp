@@ -18,6 +18,7 @@
 
 #include "rod/energy.h"
 #include "rod/graded_lengths.h"
+#include "rod/hessian.h"
 #include "rod/test_strands.h"
 
 namespace mane::rod {
@@ -224,6 +225,22 @@ TEST(StaticsTest, ManyElementsComeToRest) {
   }
   EXPECT_LT((tips[2] - tips[1]).norm(), 2e-4 * kL);
   EXPECT_NEAR(std::log2((tips[1] - tips[0]).norm() / (tips[2] - tips[1]).norm()), 2, 0.2);
+}
+
+TEST(StaticsTest, ASaddleIsLeftThoughRoundingKeepsTheResidualAboveTheTolerance) {
+  // Straight down, bent about both axes: by symmetry the descent ends on a saddle.
+  for (const int N : {3, 4, 5, 6, 8}) {
+    Strand strand = fixtures::MakeStrand(fixtures::AppendixB()[0], 0.1, N);
+    for (Vector3d& natural : strand.natural) natural = {0, 20, 60};
+    const math::Pose down{Vector3d::Zero(),
+                          Eigen::Quaterniond(Eigen::AngleAxisd(-M_PI / 2, Vector3d::UnitZ()))};
+    std::vector<Vector3d> theta(N);
+    for (int Q = 0; Q < N; ++Q) theta[Q] = strand.length[Q] * strand.natural[Q];
+    (void)SolveRestShape(strand, down, {0, -9.81, 0}, theta);
+    PotentialHessian hessian;
+    hessian.Linearize(strand, down, {0, -9.81, 0}, theta);
+    EXPECT_TRUE(hessian.Factor(1e-6)) << N;
+  }
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -109,6 +110,19 @@ bool IsWound(const Strand& strand) {
     }
   }
   return true;
+}
+
+double CoilWeight(const Strand& strand) {
+  constexpr double kGravity = 9.81;  // [m/s^2]
+  double most = 0, beyond = 0;       // Length beyond the element's left end.
+  for (int Q = strand.elements() - 1; Q >= 0; --Q) {
+    beyond += strand.length[Q];
+    const Vector3d& natural = strand.natural[Q];
+    const double radius = natural.tail<2>().norm() / natural.squaredNorm();
+    const double moment = strand.stiffness.cwiseProduct(natural).tail<2>().norm();
+    most = std::max(most, strand.linear_density * kGravity * beyond * radius / moment);
+  }
+  return most;
 }
 
 WoundStrand MakeWound(Strand strand) {

@@ -26,6 +26,13 @@ inline constexpr double kLargestKink = 0.5;
 /// more than kLargestKink.
 [[nodiscard]] bool IsWound(const Strand& strand);
 
+/// What weight bends a hanging coil by, relative to its natural bending moment: the largest over
+/// the elements of the weight beyond times the coil's radius over |EI kappa^n|, under standard
+/// gravity. Above kMostCoilWeight it unwinds coils that are not even, and wound strands do not rest
+/// (coil.md, Which strands). Needs NaturalTurns > 0.
+[[nodiscard]] double CoilWeight(const Strand& strand);
+inline constexpr double kMostCoilWeight = 0.4;
+
 /// Constant description of a wound strand: the strand, and the coil of each element's natural
 /// curvature.
 struct WoundStrand {
