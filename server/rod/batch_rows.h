@@ -32,8 +32,8 @@ struct Lanewise {
     Put(v.x, base, row), Put(v.y, base, row + 1), Put(v.z, base, row + 2);
   }
   static V All(double x) { return V{} + T(x); }
-  /// Asks for `count` rows from `base` on, which may lie beyond the end of all blocks. Memory is then
-  /// read while the processor computes: what follows a block is the next one to be stepped.
+  /// Asks for `count` rows from `base` on, which may lie beyond the end of all blocks. Memory is
+  /// then read while the processor computes: what follows a block is the next one to be stepped.
   [[gnu::always_inline]] static void Expect(const T* base, int count) {
     for (int i = 0; i < count; ++i) __builtin_prefetch(base + i * layout::kLanes, 0, 2);
   }
