@@ -104,6 +104,33 @@ void AddInertia(const LinearElement<n>& element, double scale, const Vector3d* u
       cost->V.A.template topRightCorner<3, 3>().transpose();
 }
 
+/// The loads of all elements (S13); none where they are of no kind that bears any.
+struct Loads {
+  std::span<const LinearLoad> all;
+  std::span<const int> first;  // By element, and their number at the end.
+
+  [[nodiscard]] std::span<const LinearLoad> Of(int Q) const {
+    if (all.empty()) return {};
+    return all.subspan(first[Q], first[Q + 1] - first[Q]);
+  }
+};
+
+// Adds 1/2 u.W u - p.u with u = velocity + spin x r + J v.
+inline void AddLoad(const LinearLoad& load, Cost<3>* cost) {
+  const Matrix3d rx = math::Cross(load.r);
+  const Matrix3d JW = load.J.transpose() * load.W, Wr = load.W * rx;
+  cost->Hvv.noalias() += JW * load.J;
+  cost->HvV.leftCols<3>() += JW;
+  cost->HvV.rightCols<3>().noalias() -= JW * rx;
+  cost->gv.noalias() += load.J.transpose() * load.p;
+  cost->V.A.topLeftCorner<3, 3>() += load.W;
+  cost->V.A.topRightCorner<3, 3>() -= Wr;
+  cost->V.A.bottomLeftCorner<3, 3>() -= Wr.transpose();
+  cost->V.A.bottomRightCorner<3, 3>().noalias() -= rx * Wr;
+  cost->V.b.head<3>() += load.p;
+  cost->V.b.tail<3>() += load.r.cross(load.p);
+}
+
 // Adds -m body.(velocity of the centre of mass).
 template <int n>
 void AddBodyForce(const LinearElement<n>& element, const Vector3d& body, Cost<n>* cost) {
@@ -191,9 +218,9 @@ CostToGo Eliminate(const Cost<n>& cost, LinearElement<n>* element) {
 /// @param velocity  at the Gauss points [m/s], (N x kPoints); in and out.
 /// @return whether the result is finite.
 template <int n>
-bool Advance(std::span<LinearElement<n>> elements, const Coefficients& c, double dt, Vector6d V,
-             std::span<Eigen::Matrix<double, n, 1>> x, std::span<Eigen::Matrix<double, n, 1>> rate,
-             std::span<Vector3d> velocity) {
+bool Advance(std::span<LinearElement<n>> elements, const Loads& loads, const Coefficients& c,
+             double dt, Vector6d V, std::span<Eigen::Matrix<double, n, 1>> x,
+             std::span<Eigen::Matrix<double, n, 1>> rate, std::span<Vector3d> velocity) {
   constexpr int kPoints = LinearElement<n>::kPoints;
   const int N = static_cast<int>(elements.size());
   AddWeights<n>(elements, c.h, c.body - (c.inertia - 1) * V.head<3>(), V.tail<3>(), rate);
@@ -203,6 +230,9 @@ bool Advance(std::span<LinearElement<n>> elements, const Coefficients& c, double
     AddInertia(elements[Q], c.inertia, &velocity[Q * kPoints], &cost);
     AddBodyForce(elements[Q], c.body, &cost);
     AddElasticity(elements[Q], c, &cost);
+    if constexpr (n == 3) {
+      for (const LinearLoad& load : loads.Of(Q)) AddLoad(load, &cost);
+    }
     beyond.A.bottomRightCorner<3, 3>() += elements[Q].weight;
     beyond.b.tail<3>() += elements[Q].weight * elements[Q].spin;
     AddBeyond(elements[Q], beyond, &cost);
@@ -218,6 +248,9 @@ bool Advance(std::span<LinearElement<n>> elements, const Coefficients& c, double
       Vector3d& u = velocity[Q * kPoints + g];
       const Vector3d u_x = V.head<3>() + V.tail<3>().cross(element.r[g]) + element.J[g] * v;
       u += (u_x - u) / kTheta;
+      for (const LinearLoad& load : loads.Of(Q)) {  // S14
+        u -= std::max(0.0, load.normal.dot(u) - load.surface_speed) * load.normal;
+      }
       magnitude += u.squaredNorm();
     }
     rate[Q] = v;

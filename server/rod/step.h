@@ -57,15 +57,44 @@ struct LinearElement {
   Eigen::Matrix<double, n, 1> k;
 };
 
+/// What presses or rubs on a strand at one of its points, linear in the point's velocity u [m/s]
+/// (rod.md, S13): the step's cost gains 1/2 u.W u - p.u.
+struct PointLoad {
+  int element;        ///< Of the strand, and
+  double fraction;    ///< where on it, in [0, 1].
+  Eigen::Matrix3d W;  ///< Symmetric, positive semidefinite [kg], world.
+  Eigen::Vector3d p;  ///< [kg m/s], world.
+  /// Unit vector along which the element may not leave faster than the surface moves, so that what
+  /// stops there does not bounce (S14); zero for none.
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  double surface_speed = 0;  ///< Along the normal, of what it would bounce off [m/s].
+};
+
+/// A load and where it acts, linearised like an element.
+struct LinearLoad {
+  Eigen::Matrix3d W;
+  Eigen::Vector3d p;
+  Eigen::Vector3d normal;
+  double surface_speed;
+  Eigen::Vector3d r;  ///< From the element's left end [m].
+  Eigen::Matrix3d J;  ///< Velocity per rate of the element.
+};
+
 /// Memory of one worker's steps; grows to the longest strand it has seen and is reused.
 struct StepScratch {
   std::vector<LinearElement<3>> elements;
+  std::vector<LinearLoad> loads;
+  std::vector<int> first_load;  ///< By element, and their number at the end.
 };
 
 /// Advances one strand by one step. O(N); allocates only while `scratch` grows.
 ///
+/// @param loads  by element, root first.
 /// @param state  in: a finite state at the start; out: the state at the end.
 /// @return false when the result is not finite; `state` is then unspecified and must be reset.
+[[nodiscard]] bool Step(const Strand& strand, const ClampMotion& clamp, const Surroundings& air,
+                        std::span<const PointLoad> loads, StrandState state, StepScratch& scratch);
+/// The same without loads.
 [[nodiscard]] bool Step(const Strand& strand, const ClampMotion& clamp, const Surroundings& air,
                         StrandState state, StepScratch& scratch);
 

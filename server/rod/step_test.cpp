@@ -209,5 +209,61 @@ TEST(StepTest, RefusesAStepOfNoTimeAndTheWrongSize) {
   EXPECT_THROW((void)Step(longer, {{}, {}, 0.01}, {}, state.View(), scratch), base::CheckFailure);
 }
 
+TEST(PointLoadTest, DragAtTheGaussPointsIsAirDrag) {
+  Random random(31);
+  for (const int N : {1, 2, 5}) {
+    Strand loaded = fixtures::HeavyStrand(1e12, N);  // Drag multiplies rotary inertia, too (S12).
+    for (Vector3d& natural : loaded.natural) natural = random.Vector(20);
+    Strand dragged = loaded;
+    const double dt = 1.0 / 60, rate = 8;
+    dragged.air_drag = rate * dragged.linear_density;
+    State a = random.AnyState(loaded, 1, 5, 1), b = a;
+    const math::Pose clamp = random.Pose();
+    std::vector<PointLoad> loads;
+    for (int Q = 0; Q < N; ++Q) {
+      for (int g = 0; g < kGaussPoints; ++g) {
+        const double mass = loaded.linear_density * loaded.length[Q] * kGauss.weights[g];
+        loads.push_back({Q, kGauss.nodes[g], kTheta * dt * rate * mass * Eigen::Matrix3d::Identity(),
+                         Vector3d::Zero()});
+      }
+    }
+    StepScratch scratch;
+    ASSERT_TRUE(Step(loaded, {clamp, clamp, dt}, {}, loads, a.View(), scratch));
+    ASSERT_TRUE(Step(dragged, {clamp, clamp, dt}, {}, b.View(), scratch));
+    EXPECT_LT(Difference(a.theta, b.theta), 1e-9) << N;
+    EXPECT_LT(Difference(a.velocity, b.velocity), 1e-9) << N;
+  }
+}
+
+TEST(PointLoadTest, AHeavyLoadTakesItsPointAlong) {
+  Random random(32);
+  for (const int N : {1, 3, 6}) {
+    const Strand strand = random.UnevenStrand(N, 0.2, 1);
+    State state = random.AnyState(strand, 1, 2, 1);
+    const ClampMotion clamp = random.AnyMotion(1.0 / 60);
+    const ArcPosition where{N - 1, 0.6};
+    const Vector3d wanted = random.Vector(1);
+    const double heavy = 1e4 * strand.linear_density * strand.TotalLength();
+    const PointLoad load{where.element, where.fraction, heavy * Eigen::Matrix3d::Identity(),
+                         heavy * wanted};
+    // The point at the linearisation (S2), and how it moves with the clamp and with rates.
+    std::vector<Vector3d> ahead = state.theta;
+    for (int Q = 0; Q < N; ++Q) ahead[Q] += kTheta * clamp.dt * state.rate[Q];
+    const math::Pose middle = math::Interpolate(clamp.begin, clamp.end, kTheta);
+    const PointKinematics point = PointAt(strand, middle, ahead, where);
+    const Vector3d spin = math::RotationVector(clamp.end.q * clamp.begin.q.conjugate()) / clamp.dt;
+    const Vector3d carried =
+        (clamp.end.p - clamp.begin.p) / clamp.dt + spin.cross(point.r - middle.p);
+    StepScratch scratch;
+    ASSERT_TRUE(Step(strand, clamp, {}, {&load, 1}, state.View(), scratch));
+    Eigen::VectorXd rate(3 * N);
+    for (int Q = 0; Q < N; ++Q) rate.segment<3>(3 * Q) = state.rate[Q];
+    // One element bends and twists where three cannot be asked of it at once.
+    if (N > 1) {
+      EXPECT_LT((carried + point.J * rate - wanted).norm(), 0.02) << N;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace mane::rod

@@ -145,7 +145,7 @@ bool Step(const WoundStrand& wound, const ClampMotion& clamp, const Surroundings
   // The clamp's twist where the axis starts (C10).
   recursion::Vector6d V = recursion::Twist(clamp);
   V.head<3>() += V.tail<3>().cross(R * wound.root);
-  return recursion::Advance<4>(std::span(scratch.elements).first(N), c, clamp.dt, V, state.x,
+  return recursion::Advance<4>(std::span(scratch.elements).first(N), {}, c, clamp.dt, V, state.x,
                                state.rate, state.velocity);
 }
 
