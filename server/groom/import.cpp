@@ -16,6 +16,7 @@
 #include "rod/chain.h"
 #include "rod/fit.h"
 #include "rod/inverse_statics.h"
+#include "rod/scheme.h"
 
 namespace mane::groom {
 namespace {
@@ -122,6 +123,7 @@ std::vector<Vector3d> Hold(const rod::Fit& fit, const ImportOptions& options, ro
   rod::HoldOptions hold;
   hold.max_stiffness_factor = options.max_stiffness_factor;
   hold.margin = options.stability_margin;
+  hold.longest_step = rod::kLongestStep;
   std::vector<Vector3d> rest(fit.theta.size());
   const rod::HoldReport report = rod::HoldShape(*strand, fit.root, kGravity, fit.theta, hold, rest);
   *stiffness_factor = report.stiffness_factor;
@@ -212,10 +214,12 @@ Result<void> ValidateStrand(const ImportedStrand& strand, const ImportOptions& o
 
 double ImportCost(size_t points, const ImportOptions& options) {
   constexpr double kPerPoint = 1e-3, kPerCubedElement = 1e-6;  // s
+  constexpr double kPerHeldElement = 1e-3;                     // s
   constexpr double kSearch = 4;  // Fits that a search for a bound tries.
   const double N = options.element_count;
   const double fit = kPerPoint * static_cast<double>(points) + kPerCubedElement * N * N * N;
-  return options.error_bound_m > 0 ? kSearch * fit : fit;
+  const double hold = options.hold ? kPerHeldElement * N : 0;
+  return (options.error_bound_m > 0 ? kSearch * fit : fit) + hold;
 }
 
 Result<Import> ImportStrands(std::span<const ImportedStrand> strands, const ImportOptions& options,
