@@ -98,9 +98,9 @@ struct Import {
 ///
 /// @param strands    valid for `options`.
 /// @param cancelled  looked at before every strand.
-/// @return INVALID_ARGUMENT naming `strands[<index>]` for the first that becomes no valid guide,
-/// such
-///         as one of curvatures beyond 1e5 rad/m; CANCELLED. Limits are the caller's to check.
+/// @return INVALID_ARGUMENT naming `strands[<index>]` for the first that becomes no valid guide, of
+///         which none is known: what would be out of a guide's range stays within it, and is not
+///         held; CANCELLED. Limits are the caller's to check.
 [[nodiscard]] Result<Import> ImportStrands(std::span<const ImportedStrand> strands,
                                            const ImportOptions& options, exec::WorkerPool& pool,
                                            const std::atomic<bool>& cancelled);

@@ -1,7 +1,7 @@
 // Properties of staying:
 //   buckling      a column stays below Greenhill's limit and falls above it
 //   growth        what leaves too slowly to be far in four seconds does not stay
-//   inverse       a held shape is one that stays; the next factor within the range is taken, if any
+//   inverse       a held shape is one that stays
 
 #include "rod/stays.h"
 
