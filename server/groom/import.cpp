@@ -246,7 +246,7 @@ Result<void> ValidateStrand(const ImportedStrand& strand, const ImportOptions& o
 
 double ImportCost(size_t points, const ImportOptions& options) {
   constexpr double kPerPoint = 1e-3, kPerCubedElement = 1e-6;  // s
-  constexpr double kPerHeldElement = 1e-3;                     // s
+  constexpr double kPerHeldElement = 2e-3;                     // s
   constexpr double kSearch = 4;  // Fits that a search for a bound tries.
   const double N = options.element_count;
   const double fit = kPerPoint * static_cast<double>(points) + kPerCubedElement * N * N * N;

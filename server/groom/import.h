@@ -83,9 +83,9 @@ struct Import {
                                           const ImportOptions& options, int index);
 
 /// What importing a strand of `points` points costs, in seconds of one core: 1e-3 a point and 1e-6
-/// a cubed element, four times that where a bound is sought; and to hold the shape, 1e-3 an
+/// a cubed element, four times that where a bound is sought; and to hold the shape, 2e-3 an
 /// element. So measured on one core of a rented EPYC for tight coils, whose fits take hundreds of
-/// iterations; smooth strands take a tenth. Stepping a shape that stays takes 2e-4 an element, one
+/// iterations; smooth strands take a tenth. Stepping a shape that stays takes 4e-4 an element, one
 /// that does not up to nine times that.
 [[nodiscard]] double ImportCost(size_t points, const ImportOptions& options);
 

@@ -41,7 +41,7 @@ struct HoldReport {
   double natural_change = 0;
   /// After the push and SolveRestShape, the worse of both sides [m]: distance of the tip, and of
   /// the farthest element end, from where they should be. Where it is an equilibrium that does not
-  /// stay, the largest within four seconds of stepping and after settling from their end.
+  /// stay, the largest within eight seconds of stepping and after settling from their end.
   double tip_deviation = 0;
   double largest_deviation = 0;
   StaticsReport settling;  ///< Of that side.

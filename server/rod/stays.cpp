@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr double kDuration = 4;         // [s]
+constexpr double kDuration = 8;         // [s]
 constexpr double kPerturbation = 1e-6;  // Of an angle [rad].
 constexpr double kFarthest = 1e-3;      // Of the length, that still counts as staying.
 
@@ -46,19 +46,20 @@ StayReport Stays(const Strand& strand, const math::Pose& clamp, const Vector3d& 
   std::vector<Vector3d> rate(N, Vector3d::Zero()), velocity(N * kGaussPoints, Vector3d::Zero());
   StepScratch scratch;
   StayReport report;
-  double farthest[2] = {Farthest(wanted, ElementFrames(strand, clamp, theta)), 0};  // By half.
+  double farthest[3] = {};  // In the first second, and in either half of what follows.
   const int steps = static_cast<int>(kDuration / dt);
   for (int i = 0; i < steps; ++i) {
     if (!Step(strand, {clamp, clamp, dt}, {.gravity = gravity}, {theta, rate, velocity}, scratch)) {
       return {false, strand.TotalLength(), strand.TotalLength()};
     }
-    double& half = farthest[2 * i < steps ? 0 : 1];
+    const double t = (i + 1) * dt;
+    double& part = farthest[t <= kDuration / 4 ? 0 : t <= kDuration * 5 / 8 ? 1 : 2];
     const std::vector<ElementFrame> reached = ElementFrames(strand, clamp, theta);
-    half = std::max(half, Farthest(wanted, reached));
+    part = std::max(part, Farthest(wanted, reached));
     report.tip = std::max(report.tip, (reached.back().r - wanted.back().r).norm());
   }
-  report.farthest = std::max(farthest[0], farthest[1]);
-  report.stays = farthest[1] <= farthest[0] && report.farthest <= kFarthest * strand.TotalLength();
+  report.farthest = *std::ranges::max_element(farthest);
+  report.stays = farthest[2] <= farthest[1] && report.farthest <= kFarthest * strand.TotalLength();
   return report;
 }
 

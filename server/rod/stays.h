@@ -16,10 +16,10 @@ struct StayReport {
   double farthest = 0;  ///< The same of any element end [m].
 };
 
-/// Steps a strand for four seconds in still air, from a shape whose angles are off by about 1e-6
+/// Steps a strand for eight seconds in still air, from a shape whose angles are off by about 1e-6
 /// rad each, as those of float32 are (rod.md, I5). It stays if no element end comes farther than
-/// 1e-3 of the length, and none farther in the last two seconds than in the first two. Once one
-/// has, the rest is stepped all the same: it tells where the strand goes.
+/// 1e-3 of the length, and none farther in the last three seconds than in the three before. Once
+/// one has, the rest is stepped all the same: it tells where the strand goes.
 ///
 /// 1.2 us an element and step. Same arguments, same bits.
 ///

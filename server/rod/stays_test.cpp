@@ -1,6 +1,6 @@
 // Properties of staying:
 //   buckling      a column stays below Greenhill's limit and falls above it
-//   growth        what leaves too slowly to be far in four seconds does not stay
+//   growth        what leaves too slowly to be far in that time does not stay
 //   inverse       a held shape is one that stays
 
 #include "rod/stays.h"
