@@ -16,6 +16,7 @@
 #include "rod/chain.h"
 #include "rod/fit.h"
 #include "rod/inverse_statics.h"
+#include "rod/scheme.h"
 
 namespace mane::groom {
 namespace {
@@ -25,6 +26,7 @@ using Eigen::Vector3d;
 const Vector3d kGravity(0, -9.81, 0);
 // Of the length: what settles within it is not called sagging.
 constexpr double kSettled = 1e-4;
+constexpr double kLengthTolerance = 1e-6;  // Relative: points are float32.
 
 void Apply(const HairProperties& properties, GuideDescription* d) {
   const auto apply = [](const std::optional<double>& given, double* value) {
@@ -72,10 +74,12 @@ Result<void> ValidatePoints(std::span<const Vector3d> points, const std::string&
   }
   const double length = Length(points);
   const double least = kMinElementLength * elements;
-  if (length >= least && length <= kMaxLength) return {};
+  if (length >= least * (1 - kLengthTolerance) && length <= kMaxLength * (1 + kLengthTolerance)) {
+    return {};
+  }
   return InvalidArgument(
-      field, fmt::format("{} is a polyline of {} m; it must be between {} m, {} m an element, and "
-                         "{} m long",
+      field, fmt::format("{} is a polyline of {:.6g} m; it must be between {:.6g} m, {:g} m an "
+                         "element, and {:g} m long",
                          field, length, least, kMinElementLength, kMaxLength));
 }
 
@@ -96,12 +100,23 @@ rod::Fit FitStrand(const ImportedStrand& strand, const ImportOptions& options) {
         ElementCountFor(HairType::kAsianSmooth, Length(points), kDefaultErrorTarget, false),
         fit_options.elements);
   }
-  return rod::FitPolyline(points, fit_options);
+  rod::Fit fit = rod::FitPolyline(points, fit_options);
+  // A fit may be a few percent shorter or longer than the polyline.
+  const double shrink = std::min(1.0, kMaxLength / LengthOf(fit));
+  for (double& length : fit.length) length = std::max(length * shrink, kMinElementLength);
+  return fit;
 }
 
-// Makes the shape the natural one, and lets it settle from there.
+bool IsNatural(const Vector3d& curvatures) {
+  return std::ranges::all_of(curvatures, [](double k) { return kCurvatureRange.Contains(k); });
+}
+
+// Makes the shape the natural one, as far as a guide may have it, and lets it settle from there.
 std::vector<Vector3d> Sag(const rod::Fit& fit, rod::Strand* strand, StrandOutcome* outcome) {
-  for (size_t Q = 0; Q < fit.theta.size(); ++Q) strand->natural[Q] = fit.theta[Q] / fit.length[Q];
+  for (size_t Q = 0; Q < fit.theta.size(); ++Q) {
+    strand->natural[Q] =
+        (fit.theta[Q] / fit.length[Q]).cwiseMax(kCurvatureRange.low).cwiseMin(kCurvatureRange.high);
+  }
   std::vector<Vector3d> rest = fit.theta;
   (void)rod::SolveRestShape(*strand, fit.root, kGravity, rest);
   const auto wanted = rod::ElementFrames(*strand, fit.root, fit.theta);
@@ -116,21 +131,41 @@ std::vector<Vector3d> Sag(const rod::Fit& fit, rod::Strand* strand, StrandOutcom
   return rest;
 }
 
-// Makes the shape an equilibrium. Returns it, or where the strand goes instead.
-std::vector<Vector3d> Hold(const rod::Fit& fit, const ImportOptions& options, rod::Strand* strand,
-                           double* stiffness_factor, StrandOutcome* outcome) {
+// Makes the shape an equilibrium. Returns it, or where the strand goes instead. Where that takes
+// natural curvatures that no guide may have, the strand sags with the stiffness that it has.
+std::vector<Vector3d> Hold(const rod::Fit& fit, const ImportOptions& options, double young_modulus,
+                           rod::Strand* strand, double* stiffness_factor, StrandOutcome* outcome) {
   rod::HoldOptions hold;
-  hold.max_stiffness_factor = options.max_stiffness_factor;
+  hold.max_stiffness_factor =
+      std::clamp(kYoungModulusRange.high / young_modulus, 1.0, options.max_stiffness_factor);
   hold.margin = options.stability_margin;
+  hold.longest_step = rod::kLongestStep;
+  const Vector3d nominal = strand->stiffness;
   std::vector<Vector3d> rest(fit.theta.size());
   const rod::HoldReport report = rod::HoldShape(*strand, fit.root, kGravity, fit.theta, hold, rest);
+  outcome->needed_stiffness_factor = static_cast<float>(report.needed_factor);
+  if (!std::ranges::all_of(strand->natural, IsNatural)) {
+    strand->stiffness = nominal;
+    rest = Sag(fit, strand, outcome);
+    outcome->held = false;
+    return rest;
+  }
   *stiffness_factor = report.stiffness_factor;
   outcome->held = report.held;
   outcome->stiffness_factor = static_cast<float>(report.stiffness_factor);
-  outcome->needed_stiffness_factor = static_cast<float>(report.needed_factor);
   outcome->tip_deviation = static_cast<float>(report.tip_deviation);
   outcome->largest_deviation = static_cast<float>(report.largest_deviation);
   return report.held ? fit.theta : rest;
+}
+
+// What no search could settle stays as it is, and is reported to be anywhere.
+void TakeFinite(const rod::Fit& fit, std::vector<Vector3d>* rest, StrandOutcome* outcome) {
+  const bool finite =
+      std::ranges::all_of(*rest, [](const Vector3d& theta) { return theta.allFinite(); });
+  if (finite && std::isfinite(outcome->largest_deviation)) return;
+  *rest = fit.theta;
+  outcome->held = false;
+  outcome->tip_deviation = outcome->largest_deviation = static_cast<float>(LengthOf(fit));
 }
 
 struct ImportedGuide {
@@ -158,16 +193,15 @@ Result<ImportedGuide> ImportStrand(const ImportedStrand& strand, const ImportOpt
   if (!weightless) return weightless.error();
   rod::Strand& rod = weightless->strand;
   double stiffness_factor = 1;
-  out.rest = options.hold ? Hold(fit, options, &rod, &stiffness_factor, &out.outcome)
-                          : Sag(fit, &rod, &out.outcome);
-  d.young_modulus_pa *= stiffness_factor;
+  out.rest = options.hold
+                 ? Hold(fit, options, d.young_modulus_pa, &rod, &stiffness_factor, &out.outcome)
+                 : Sag(fit, &rod, &out.outcome);
+  TakeFinite(fit, &out.rest, &out.outcome);
+  d.young_modulus_pa = std::min(d.young_modulus_pa * stiffness_factor, kYoungModulusRange.high);
   SetNatural(rod.natural, &d);
   auto guide = MakeGuide(d, index);
   if (!guide) return guide.error();
   out.guide = *std::move(guide);
-  const bool finite =
-      std::ranges::all_of(out.rest, [](const Vector3d& theta) { return theta.allFinite(); });
-  if (!finite) out.rest = fit.theta;
   return out;
 }
 
@@ -212,10 +246,12 @@ Result<void> ValidateStrand(const ImportedStrand& strand, const ImportOptions& o
 
 double ImportCost(size_t points, const ImportOptions& options) {
   constexpr double kPerPoint = 1e-3, kPerCubedElement = 1e-6;  // s
+  constexpr double kPerHeldElement = 2e-3;                     // s
   constexpr double kSearch = 4;  // Fits that a search for a bound tries.
   const double N = options.element_count;
   const double fit = kPerPoint * static_cast<double>(points) + kPerCubedElement * N * N * N;
-  return options.error_bound_m > 0 ? kSearch * fit : fit;
+  const double hold = options.hold ? kPerHeldElement * N : 0;
+  return (options.error_bound_m > 0 ? kSearch * fit : fit) + hold;
 }
 
 Result<Import> ImportStrands(std::span<const ImportedStrand> strands, const ImportOptions& options,

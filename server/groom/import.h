@@ -83,21 +83,24 @@ struct Import {
                                           const ImportOptions& options, int index);
 
 /// What importing a strand of `points` points costs, in seconds of one core: 1e-3 a point and 1e-6
-/// a cubed element, four times that where a bound is sought. So measured on one core of a rented
-/// EPYC for tight coils, whose fits take hundreds of iterations; smooth strands take a tenth.
+/// a cubed element, four times that where a bound is sought; and to hold the shape, 2e-3 an
+/// element. So measured on one core of a rented EPYC for tight coils, whose fits take hundreds of
+/// iterations; smooth strands take a tenth. Stepping a shape that stays takes 4e-4 an element, one
+/// that does not up to nine times that.
 [[nodiscard]] double ImportCost(size_t points, const ImportOptions& options);
 
 /// Fits every strand (rod::FitPolyline) and, if asked to, holds its shape under (0, -9.81, 0) m/s^2
-/// (rod::HoldShape). With a bound, a strand still has 5 elements, and one per 4 cm, where
-/// `element_count` allows: fewer fit a straight strand, but do not move as hair does.
+/// in the longest step of heads (rod::HoldShape). With a bound, a strand still has 5 elements, and
+/// one per 4 cm, where `element_count` allows: fewer fit a straight strand, but do not move as hair
+/// does.
 ///
 /// Every strand is a piece of work of its own on `pool`. Same arguments, same bits.
 ///
 /// @param strands    valid for `options`.
 /// @param cancelled  looked at before every strand.
-/// @return INVALID_ARGUMENT naming `strands[<index>]` for the first that becomes no valid guide,
-/// such
-///         as one of curvatures beyond 1e5 rad/m; CANCELLED. Limits are the caller's to check.
+/// @return INVALID_ARGUMENT naming `strands[<index>]` for the first that becomes no valid guide, of
+///         which none is known: what would be out of a guide's range stays within it, and is not
+///         held; CANCELLED. Limits are the caller's to check.
 [[nodiscard]] Result<Import> ImportStrands(std::span<const ImportedStrand> strands,
                                            const ImportOptions& options, exec::WorkerPool& pool,
                                            const std::atomic<bool>& cancelled);

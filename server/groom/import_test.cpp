@@ -3,9 +3,9 @@
 //   no hold       the same hair, its shape taken for the natural one, sags
 //   properties    those of a strand go before those of the options, and these before the preset's
 //   counts        a bound buys elements; straight hair keeps those that its motion needs
-//   any input     degenerate strands are straight ones; what is out of range is named
-//   work          any number of workers gives the same bits; the first bad strand is named; it
-//   stops
+//   any input     degenerate strands are straight ones; what is out of range is named; what is not,
+//                 but asks for what no guide may be, is imported and reported
+//   work          any number of workers gives the same bits; it stops
 
 #include "groom/import.h"
 
@@ -314,18 +314,72 @@ TEST(ImportTest, WhatIsOutOfRangeIsNamed) {
   }
 }
 
-TEST(ImportTest, TheFirstStrandThatIsNoGuideIsNamed) {
-  ImportOptions options = OptionsFor(HairType::kAsianSmooth);
-  options.element_count = 4;
-  std::vector strands(40, Straight());
-  strands[31] = strands[17] = Coil(1, 5e-6);  // 2e5 rad/m.
-  for (const ImportedStrand& strand : strands) ASSERT_TRUE(ValidateStrand(strand, options, 0));
-  for (const int workers : {1, 4}) {
-    const auto import = ImportAll(strands, options, workers);
-    ASSERT_FALSE(import);
-    EXPECT_EQ(import.error().code, ErrorCode::kInvalidArgument);
-    EXPECT_EQ(import.error().field, "strands[17]") << import.error().message;
+// A flat zigzag of 41 points whose steps are `step` long [m].
+ImportedStrand Zigzag(float step) {
+  std::vector<Vector3f> points = {{0, 0, 0}};
+  for (int i = 0; i < 40; ++i) {
+    points.push_back(points.back() + step * Vector3f(i % 2 == 0 ? 0.8f : -0.8f, -0.6f, 0));
   }
+  return StrandOf(points);
+}
+
+TEST(ImportTest, WhatNoGuideMayBeIsImportedAndNotHeld) {
+  ImportedStrand flimsy = Straight(), rigid = StrandOf({{0, 0, 0}, {0, 3, 0}});
+  // Balances its weight by natural curvatures of 1e10 rad/m.
+  flimsy.points = {{0, 0, 0}, {0.1f, 0, 0}, {0.2f, 0.1f, 0}};
+  flimsy.properties = {.radius_1_m = 1e-6, .radius_2_m = 1e-6};
+  flimsy.properties.young_modulus_pa = 1e4;
+  flimsy.properties.density_kg_m3 = 1e5;
+  // Would take 1e6 times its modulus; 1000 times it is beyond 1e13 Pa.
+  rigid.properties = {.radius_1_m = 1e-6, .radius_2_m = 1e-6, .young_modulus_pa = 9e12};
+  rigid.properties.density_kg_m3 = 1e5;
+  const std::vector strands = {Straight(),    flimsy,        rigid,
+                               Coil(1, 5e-6), Zigzag(1e-6f), Zigzag(1e-5f)};
+  for (const bool hold : {true, false}) {
+    ImportOptions options = OptionsFor(HairType::kAsianSmooth);
+    options.max_stiffness_factor = 1000;
+    options.hold = hold;
+    for (const ImportedStrand& strand : strands) ASSERT_TRUE(ValidateStrand(strand, options, 0));
+    const auto import = ImportAll(strands, options);
+    ASSERT_TRUE(import) << import.error().message;
+    EXPECT_TRUE(import->outcomes[0].held);
+    for (size_t i = 1; i < strands.size(); ++i) {
+      SCOPED_TRACE(i);
+      const StrandOutcome& outcome = import->outcomes[i];
+      const Guide& guide = import->guides[i];
+      EXPECT_TRUE(std::isfinite(outcome.tip_deviation));
+      EXPECT_TRUE(std::isfinite(outcome.largest_deviation));
+      EXPECT_LE(guide.material.young_modulus, 1e13);
+      EXPECT_EQ(guide.strand.stiffness, rod::Stiffness(guide.section, guide.material));
+      for (const Vector3d& natural : guide.strand.natural) {
+        EXPECT_LE(natural.cwiseAbs().maxCoeff(), 1e5);
+      }
+      EXPECT_FALSE(i < 3 && outcome.held);
+    }
+    for (const double angle : import->rest) ASSERT_TRUE(std::isfinite(angle));
+    Parts parts;
+    parts.guides = import->guides;
+    parts.rest = import->rest;
+    const auto groom = Assemble(std::move(parts), {}, nullptr);
+    EXPECT_TRUE(groom) << groom.error().message;
+  }
+}
+
+TEST(ImportTest, ShortestAndLongestPolylinesAreTakenAsFloatsRoundThem) {
+  const ImportOptions options = OptionsFor(HairType::kAsianSmooth);
+  const auto straight = [](float length) { return StrandOf({{0, 0, 0}, {0, -length, 0}}); };
+  for (const float length : {20e-6f, 5.0f}) {
+    for (const float rounded :
+         {std::nextafter(length, 0.0f), length, std::nextafter(length, 9.f)}) {
+      EXPECT_TRUE(ValidateStrand(straight(rounded), options, 0)) << rounded;
+      EXPECT_TRUE(ImportAll({straight(rounded)}, options)) << rounded;
+    }
+  }
+  const auto refused = ValidateStrand(straight(19e-6f), options, 3);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().message,
+            "strands[3].points is a polyline of 1.9e-05 m; it must be between 2e-05 m, 1e-06 m an "
+            "element, and 5 m long");
 }
 
 TEST(ImportTest, WorkersDoNotChangeABit) {

@@ -15,7 +15,7 @@ struct Limits {
   /// Points of all imported strands, >= 2; 12 bytes each, while they are imported.
   int max_points = 4'000'000;
   /// Sum over imported strands of ImportCost [s], >= 0: half an hour of one core for tight coils,
-  /// minutes for smooth hair. 16,000 strands of 100 points and 20 elements; 4,000 with a bound.
+  /// minutes for smooth hair. 12,000 strands of 100 points and 20 elements; 4,000 with a bound.
   double max_import_cost_s = 1800;
   /// Vertices of a scalp mesh, >= 3; 12 bytes each.
   int max_vertices = 2'000'000;

@@ -15,7 +15,6 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kSumTolerance = 1e-6;  // Relative, of element lengths.
-constexpr Range kCurvatureRange{-1e5, 1e5, "rad/m"};
 
 Result<std::vector<double>> EqualLengths(const std::string& path, const GuideDescription& d) {
   if (d.element_count < 1 || d.element_count > kMaxElementsPerGuide) {
@@ -102,7 +101,7 @@ Result<void> ValidateProperties(const std::string& path, const GuideDescription&
   } fields[] = {
       {"radius_1_m", d.radius_1_m, {1e-6, 1e-2, "m"}},
       {"radius_2_m", d.radius_2_m, {1e-6, 1e-2, "m"}},
-      {"young_modulus_pa", d.young_modulus_pa, {1e4, 1e13, "Pa"}},
+      {"young_modulus_pa", d.young_modulus_pa, kYoungModulusRange},
       {"poisson_ratio", d.poisson_ratio, {-1, 0.5, "", true}},
       {"density_kg_m3", d.density_kg_m3, {1, 1e5, "kg/m^3"}},
       {"internal_friction", d.internal_friction, {0, 1, "kg m^3/s"}},

@@ -10,6 +10,7 @@
 #include "base/result.h"
 #include "groom/groom.h"
 #include "groom/limits.h"
+#include "groom/range.h"
 
 namespace mane::groom {
 
@@ -17,6 +18,8 @@ namespace mane::groom {
 inline constexpr int kMaxElementsPerGuide = 256;
 inline constexpr double kMaxLength = 5;            ///< [m]
 inline constexpr double kMinElementLength = 1e-6;  ///< [m]
+inline constexpr Range kYoungModulusRange{1e4, 1e13, "Pa"};
+inline constexpr Range kCurvatureRange{-1e5, 1e5, "rad/m"};  ///< Of natural twist, too.
 
 /// A guide as its author writes it: mane.v1.Guide field by field, whose comments give meanings,
 /// units and ranges. Unset messages are replaced by their defaults; any number may be in it.

@@ -10,6 +10,7 @@
 #include "head/wind.h"
 #include "math/rigid.h"
 #include "rod/batch.h"
+#include "rod/scheme.h"
 #include "rod/step.h"
 
 namespace mane::head {
@@ -44,9 +45,7 @@ void Reset(const groom::Groom& groom, HeadState* state);
 /// Moves head and hair together as one rigid body: shapes stay, velocities turn along.
 void Teleport(const groom::Groom& groom, const math::Pose& pose, HeadState* state);
 
-/// No time step is longer than this [s]: what hair of half a metre needs to hang still (rod.md, S9,
-/// S10).
-inline constexpr double kLongestStep = 1.0 / 60;
+using rod::kLongestStep;
 
 /// One movement of the head: to `target` within `duration` [s] > 0 at constant velocity, in
 /// `substeps` >= 1 equal time steps; more of them where they would be longer than kLongestStep.

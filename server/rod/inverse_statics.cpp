@@ -1,18 +1,23 @@
 #include "rod/inverse_statics.h"
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "base/check.h"
 #include "rod/chain.h"
 #include "rod/energy.h"
 #include "rod/hessian.h"
+#include "rod/stays.h"
 
 namespace mane::rod {
 
 using Eigen::Vector3d;
 
 namespace {
+
+// Margins of stability (I3) that are tried in turn where stepping does not stay (I5).
+constexpr double kMargins[] = {0.1, 0.2, 0.3, 0.4, 0.5, 0.7, 0.9};
 
 // (I1): the natural curvatures that balance the weight at `theta`. Returns the largest change.
 double Balance(Strand& strand, const math::Pose& clamp, const Vector3d& gravity,
@@ -45,6 +50,49 @@ void Settle(const Strand& strand, const math::Pose& clamp, const Vector3d& gravi
   }
 }
 
+// (I5): the factors to try, from the one that statics tells.
+std::vector<double> Factors(double statics, double weight, double largest) {
+  std::vector<double> factors = {statics};
+  if (statics < largest) factors.push_back(largest);
+  for (const double margin : kMargins) {
+    const double factor = -weight / (1 - margin);
+    if (factor > statics && factor != largest) factors.push_back(factor);
+  }
+  std::sort(factors.begin(), factors.end());
+  return factors;
+}
+
+// What came of leaving a strand alone, and where it then was [rad].
+struct Left {
+  StayReport stay{.stays = true};
+  std::vector<Vector3d> theta;
+};
+
+// (I5): raises the factor of a shape that statics calls held until it stays. Fills in the factors
+// and `held`, and returns what came of the factor applied.
+Left Confirm(const Strand& strand, const math::Pose& clamp, const Vector3d& gravity,
+             std::span<const Vector3d> theta, const HoldOptions& options, double weight,
+             HoldReport* report) {
+  Left applied;
+  const double statics = report->stiffness_factor;
+  for (const double factor : Factors(statics, weight, options.max_stiffness_factor)) {
+    Strand stiffened = strand;
+    stiffened.stiffness *= factor;
+    Balance(stiffened, clamp, gravity, theta);
+    Left left{.theta = {theta.begin(), theta.end()}};
+    left.stay = Stays(stiffened, clamp, gravity, options.longest_step, left.theta);
+    if (factor > statics) report->needed_factor = factor;
+    const bool stays = left.stay.stays;
+    if (factor <= options.max_stiffness_factor) {
+      report->stiffness_factor = factor;
+      report->held = stays;
+      applied = std::move(left);
+    }
+    if (stays) break;
+  }
+  return applied;
+}
+
 }  // namespace
 
 HoldReport HoldShape(Strand& strand, const math::Pose& clamp, const Vector3d& gravity,
@@ -67,6 +115,10 @@ HoldReport HoldShape(Strand& strand, const math::Pose& clamp, const Vector3d& gr
       std::clamp(1.0, options.min_stiffness_factor, options.max_stiffness_factor);
   report.stiffness_factor = std::clamp(report.needed_factor, nominal, options.max_stiffness_factor);
   report.held = report.stiffness_factor >= report.needed_factor;
+  Left left;
+  if (report.held && options.longest_step > 0) {
+    left = Confirm(strand, clamp, gravity, theta, options, weight, &report);
+  }
   report.lowest_eigenvalue = 1 + weight / report.stiffness_factor;
   strand.stiffness *= report.stiffness_factor;
   report.natural_change = Balance(strand, clamp, gravity, theta);
@@ -78,11 +130,16 @@ HoldReport HoldShape(Strand& strand, const math::Pose& clamp, const Vector3d& gr
     plus[Q] = theta[Q] + options.push * mode[Q];
     minus[Q] = theta[Q] - options.push * mode[Q];
   }
+  if (!left.stay.stays) plus = minus = left.theta;
   Settle(strand, clamp, gravity, theta, &plus, &report);
   Settle(strand, clamp, gravity, theta, &minus, &other);
   if (other.largest_deviation > report.largest_deviation) {
     report = other;
     plus.swap(minus);
+  }
+  if (!left.stay.stays) {
+    report.tip_deviation = std::max(report.tip_deviation, left.stay.tip);
+    report.largest_deviation = std::max(report.largest_deviation, left.stay.farthest);
   }
   if (!rest.empty()) {
     MANE_CHECK(static_cast<int>(rest.size()) == N);

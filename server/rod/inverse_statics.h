@@ -22,32 +22,38 @@ struct HoldOptions {
   /// Largest angle by which the shape is pushed along its softest mode, to either side, before it
   /// settles [rad].
   double push = 0.02;
+  /// The longest time step in which a held shape must stay [s], so tried (rod.md, I5); 0: statics
+  /// alone tells.
+  double longest_step = 0;
 };
 
 /// What came of it.
 struct HoldReport {
-  bool held = false;            ///< lowest_eigenvalue >= margin.
+  bool held = false;            ///< lowest_eigenvalue >= margin, and it stays in longest_step.
   double stiffness_factor = 1;  ///< That was applied.
-  /// The factor that would hold the shape: the least one within the options' margin, which the
-  /// applied one falls short of where the shape is not held.
+  /// The factor that would hold the shape: the least one within the options' margin, or the first
+  /// tried with which it stays, which the applied one falls short of where the shape is not held.
+  /// The largest tried where it stays with none.
   double needed_factor = 0;
   /// Of the energy's Hessian at the shape, scaled by the stiffness (rod.md, I3).
   double lowest_eigenvalue = 0;
   /// Largest |kappa^n - kappa*| of an element [rad/m]: how far weight would bend the strand.
   double natural_change = 0;
   /// After the push and SolveRestShape, the worse of both sides [m]: distance of the tip, and of
-  /// the farthest element end, from where they should be.
+  /// the farthest element end, from where they should be. Where it is an equilibrium that does not
+  /// stay, the largest within eight seconds of stepping and after settling from their end.
   double tip_deviation = 0;
   double largest_deviation = 0;
   StaticsReport settling;  ///< Of that side.
 };
 
 /// Inverse statics: gives `strand` the natural curvatures, and where the shape would buckle away
-/// the stiffness, that make `theta` its rest shape (rod.md, Inverse statics, I1 to I4). The
+/// the stiffness, that make `theta` its rest shape (rod.md, Inverse statics, I1 to I5). The
 /// equilibrium is exact to rounding and always exists; whether it is stable is what the stiffness
 /// decides. The factor nearest to 1 that the options allow is taken where it holds the shape, else
 /// the smallest that does, else the largest allowed; `theta` is then a saddle, and the deviations
-/// tell where the strand goes instead.
+/// tell where the strand goes instead. With a longest step, a factor
+/// holds the shape only if Stays says so too; larger margins are tried up to the range's end.
 ///
 /// @param strand   lengths, stiffness and density are read, natural and stiffness are written.
 /// @param clamp    root frame; only its rotation matters.

@@ -8,6 +8,10 @@ namespace mane::rod {
 /// is second order but may gain energy through gravity where nothing damps; 1 damps most.
 inline constexpr double kTheta = 0.55;
 
+/// No time step of a head is longer than this [s]: what hair of half a metre needs to hang still
+/// (rod.md, S9, S10).
+inline constexpr double kLongestStep = 1.0 / 60;
+
 /// Internal friction is at least this times h K: what has next to no inertia, such as the twist of
 /// straight hair, follows its loads within a step instead of overshooting them (rod.md, S10).
 inline constexpr double kLeastFriction = 0.5;
