@@ -223,7 +223,8 @@ TEST(PointLoadTest, DragAtTheGaussPointsIsAirDrag) {
     for (int Q = 0; Q < N; ++Q) {
       for (int g = 0; g < kGaussPoints; ++g) {
         const double mass = loaded.linear_density * loaded.length[Q] * kGauss.weights[g];
-        loads.push_back({Q, kGauss.nodes[g], kTheta * dt * rate * mass * Eigen::Matrix3d::Identity(),
+        loads.push_back({Q, kGauss.nodes[g],
+                         kTheta * dt * rate * mass * Eigen::Matrix3d::Identity(),
                          Vector3d::Zero()});
       }
     }
