@@ -13,8 +13,8 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 // Of a point's own mass: what resists penetration and what holds it sideways within a step (K2,
-// K3). Weight alone thus presses hair in by g h^2 / kPressing, less than a micrometre, and a point
-// that is held creeps by g h / kHolding, a micrometre a second.
+// K3). Weight alone thus presses hair in by g h dt / kPressing, some micrometres at 60 Hz, and a
+// point that is held creeps by g h / kHolding, a micrometre a second.
 constexpr double kPressing = 1e3;
 constexpr double kHolding = 1e5;
 // Solutions with loads, after one without (K5).
