@@ -16,8 +16,8 @@ uint64_t Secret() {
 
 }  // namespace
 
-FieldCache::FieldCache(const FieldOptions& options, size_t max_bytes)
-    : options_(options), max_bytes_(max_bytes), secret_(Secret()) {}
+FieldCache::FieldCache(const FieldOptions& options, size_t max_bytes, int workers)
+    : options_(options), max_bytes_(max_bytes), secret_(Secret()), pool_(workers) {}
 
 FieldCache::Key FieldCache::KeyOf(const TriangleMesh& mesh) const {
   static_assert(sizeof(Eigen::Vector3f) == 12 && sizeof(Triangle) == 12);
@@ -72,13 +72,12 @@ void FieldCache::Settle(const Key& key, const std::shared_ptr<Entry>& entry, siz
   }
 }
 
-Result<std::shared_ptr<const MeshField>> FieldCache::Get(const TriangleMesh& mesh,
-                                                         exec::WorkerPool* pool) {
+Result<std::shared_ptr<const MeshField>> FieldCache::Get(const TriangleMesh& mesh) {
   const Key key = KeyOf(mesh);
   const std::shared_ptr<Entry> entry = FindOrAdd(key);
   std::lock_guard building(entry->building);
   if (entry->field != nullptr) return entry->field;
-  auto built = MeshField::Build(mesh, options_, pool);
+  auto built = MeshField::Build(mesh, options_, &pool_);
   if (built) entry->field = *built;
   Settle(key, entry, built ? (*built)->bytes() : 0);
   return built;

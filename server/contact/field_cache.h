@@ -19,16 +19,18 @@ namespace mane::contact {
 /// The digest, XXH3 with 128 bits, is mixed with a secret of the process, so that nobody can make
 /// a mesh that takes the place of another's.
 ///
-/// Threads: Get may be called from any, also from workers of the pool. `mutex_` guards the list and
-/// the sizes, an entry's own mutex its build; nobody waits for a build under `mutex_`.
+/// Threads: Get may be called from any, also from workers of any other pool. `mutex_` guards the
+/// list and the sizes, an entry's own mutex its build; nobody waits for a build under `mutex_`. The
+/// pool that builds is the cache's own: were it one whose tasks call Get, they could all wait for a
+/// builder who waits for a place in it.
 class FieldCache {
  public:
   /// @param max_bytes  of the fields kept; one that alone is larger is not kept.
-  FieldCache(const FieldOptions& options, size_t max_bytes);
+  /// @param workers    threads that build at once, >= 1, those who ask among them.
+  FieldCache(const FieldOptions& options, size_t max_bytes, int workers);
 
-  /// The field of `mesh`, built on `pool` if it is not there. @return MeshField::Build's errors.
-  [[nodiscard]] Result<std::shared_ptr<const MeshField>> Get(const TriangleMesh& mesh,
-                                                             exec::WorkerPool* pool);
+  /// The field of `mesh`, built if it is not there. @return MeshField::Build's errors.
+  [[nodiscard]] Result<std::shared_ptr<const MeshField>> Get(const TriangleMesh& mesh);
 
   [[nodiscard]] size_t bytes() const;
   [[nodiscard]] size_t size() const;
@@ -50,6 +52,7 @@ class FieldCache {
   const FieldOptions options_;
   const size_t max_bytes_;
   const uint64_t secret_;
+  exec::WorkerPool pool_;
   mutable std::mutex mutex_;
   // Guarded by mutex_.
   std::map<Key, std::shared_ptr<Entry>> entries_;

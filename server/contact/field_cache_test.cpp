@@ -16,17 +16,17 @@ class FieldCacheTest : public ::testing::Test {
  protected:
   FieldCacheTest() { options_.tolerance = 3e-3; }
   std::shared_ptr<const MeshField> Get(FieldCache* cache, const TriangleMesh& mesh) {
-    auto field = cache->Get(mesh, &pool_);
+    auto field = cache->Get(mesh);
     EXPECT_TRUE(field);
     return field ? *field : nullptr;
   }
-  exec::WorkerPool pool_{2};
+  exec::WorkerPool pool_{2};  // Of those who ask; the cache has its own.
   FieldOptions options_;
   const TriangleMesh one_ = fixtures::Sphere(2, 0.1), two_ = fixtures::Sphere(2, 0.11);
 };
 
 TEST_F(FieldCacheTest, EqualMeshesShareAField) {
-  FieldCache cache(options_, size_t{1} << 30);
+  FieldCache cache(options_, size_t{1} << 30, 2);
   const auto first = Get(&cache, one_);
   EXPECT_EQ(Get(&cache, TriangleMesh(one_)), first);
   EXPECT_NE(Get(&cache, two_), first);
@@ -42,7 +42,7 @@ TEST_F(FieldCacheTest, EqualMeshesShareAField) {
 
 TEST_F(FieldCacheTest, WhatWasUsedLongestAgoGoes) {
   const size_t bytes = (*MeshField::Build(one_, options_, &pool_))->bytes();
-  FieldCache cache(options_, 5 * bytes / 2);
+  FieldCache cache(options_, 5 * bytes / 2, 2);
   const auto first = Get(&cache, one_);
   const auto second = Get(&cache, two_);
   EXPECT_EQ(Get(&cache, one_), first);
@@ -54,28 +54,29 @@ TEST_F(FieldCacheTest, WhatWasUsedLongestAgoGoes) {
 }
 
 TEST_F(FieldCacheTest, WhatIsLargerThanTheCacheIsNotKept) {
-  FieldCache cache(options_, 1000);
+  FieldCache cache(options_, 1000, 2);
   EXPECT_NE(Get(&cache, one_), nullptr);
   EXPECT_EQ(cache.size(), 0U);
   EXPECT_EQ(cache.bytes(), 0U);
 }
 
 TEST_F(FieldCacheTest, RefusedMeshesAreNotKept) {
-  FieldCache cache(options_, size_t{1} << 30);
-  EXPECT_FALSE(cache.Get({}, &pool_));
+  FieldCache cache(options_, size_t{1} << 30, 2);
+  EXPECT_FALSE(cache.Get({}));
   EXPECT_EQ(cache.size(), 0U);
 }
 
+// Tasks of a pool and other threads, more than either has places for.
 TEST_F(FieldCacheTest, ManyWhoAskAtOnceGetTheSame) {
-  FieldCache cache(options_, size_t{1} << 30);
+  FieldCache cache(options_, size_t{1} << 30, 2);
   std::vector<std::shared_ptr<const MeshField>> got(8);
   for (auto& field : got) {
-    pool_.Post([&cache, &field, this] { field = *cache.Get(one_, &pool_); });
+    pool_.Post([&cache, &field, this] { field = *cache.Get(one_); });
   }
   std::vector<std::shared_ptr<const MeshField>> more(4);
   std::vector<std::thread> threads;
   for (auto& field : more) {
-    threads.emplace_back([&cache, &field, this] { field = *cache.Get(one_, &pool_); });
+    threads.emplace_back([&cache, &field, this] { field = *cache.Get(one_); });
   }
   for (std::thread& thread : threads) thread.join();
   pool_.WaitIdle();
