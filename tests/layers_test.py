@@ -37,7 +37,7 @@ FOLDERS = {
     "contact": Folder(("rod", "exec"), ("Eigen", "fmt"), ("xxhash", "embree")),
     "wire": Folder(("math",), ("Eigen",), pure=True),
     "groom": Folder(("rod", "exec"), ("Eigen", "fmt"), ("xxhash",)),
-    "head": Folder(("groom", "exec", "wire"), ("Eigen", "fmt")),
+    "head": Folder(("groom", "contact", "exec", "wire"), ("Eigen", "fmt")),
     "session": Folder(("head",), ("Eigen", "fmt"), ("spdlog", "posix")),
     "storage": Folder(("base",), ("fmt",), ("spdlog", "sqlite", "posix")),
     "jobs": Folder(("storage",), ("fmt",), ("spdlog",)),

@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "groom/body.h"
 #include "math/rigid.h"
 #include "rod/batch.h"
 #include "rod/strand.h"
@@ -49,6 +50,8 @@ struct Guide {
   rod::Strand strand;  ///< Stiffness and density already derived from section and material.
   /// Where the guide moves as a wound strand, that strand.
   std::optional<rod::WoundStrand> wound;
+  /// Of the wisp that it stands for, which other guides' wisps do not enter [m]; 0 for none.
+  double wisp_radius = 0;
 
   /// Numbers that say its shape: 3 for each element, 4 of a wound one.
   [[nodiscard]] int coordinate_count() const { return (wound ? 4 : 3) * strand.elements(); }
@@ -62,6 +65,10 @@ struct Groom {
   uint64_t seed = 0;
   Scalp scalp;
   std::vector<Guide> guides;
+  std::vector<Body> bodies;
+  /// Whether hair meets the scalp itself, and how it rubs there; the scalp counts as a body fixed to
+  /// the head.
+  std::optional<Friction> scalp_friction;
 
   // Derived by Assemble().
   /// Index of each guide's first element in arrays over all elements, and their total at the end,

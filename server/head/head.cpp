@@ -222,6 +222,10 @@ StepReport Advance(const groom::Groom& groom, const Movement& movement,
     });
   }
   state->pose = movement.target;
+  if (!movement.bodies.empty()) {
+    MANE_CHECK(movement.bodies.size() == state->contact.moving.size());
+    state->contact.moving.assign(movement.bodies.begin(), movement.bodies.end());
+  }
   state->time += movement.duration;
   return {repaired};
 }

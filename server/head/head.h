@@ -2,10 +2,12 @@
 
 #include <Eigen/Core>
 
+#include <span>
 #include <vector>
 
 #include "exec/worker_pool.h"
 #include "groom/groom.h"
+#include "head/contact.h"
 #include "head/detail.h"
 #include "head/wind.h"
 #include "math/rigid.h"
@@ -31,6 +33,7 @@ struct HeadState {
   math::Pose pose;                      ///< head -> world: where the roots are clamped.
   std::vector<rod::Row<float>> guides;  ///< As Groom::batch packs them, (state_rows).
   Detail detail;                        ///< Which of them are stepped with fewer elements.
+  Contact contact;                      ///< What they meet.
 };
 
 /// The groom's rest shape on a head at `pose`, standing still.
@@ -53,6 +56,9 @@ struct Movement {
   math::Pose target;
   double duration;
   int substeps;
+  /// World poses that the moving bodies reach meanwhile, likewise, (Bodies::moving_count); empty
+  /// where they stay as they are.
+  std::span<const math::Pose> bodies = {};
 };
 
 /// A head that moves faster [m/s] has been cut to another place: it is teleported there.

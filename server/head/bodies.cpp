@@ -1,0 +1,93 @@
+#include "head/bodies.h"
+
+#include <fmt/format.h>
+
+#include <type_traits>
+#include <utility>
+
+namespace mane::head {
+namespace {
+
+contact::Friction FrictionOf(const groom::Friction& friction) {
+  return {friction.coefficient, friction.anisotropy};
+}
+
+Error Within(const std::string& path, Error error) {
+  error.field = path + error.field;
+  return error;
+}
+
+template <typename Mesh>
+Result<contact::BodyShape> FieldOf(const Mesh& mesh, contact::FieldCache* fields) {
+  auto field = fields->Get({mesh.vertices, mesh.triangles});
+  if (!field) return field.error();
+  return contact::BodyShape(*std::move(field));
+}
+
+struct ShapeOf {
+  contact::FieldCache* fields;
+
+  Result<contact::BodyShape> operator()(const groom::Body::Ellipsoid& ellipsoid) const {
+    return contact::BodyShape(contact::Ellipsoid(ellipsoid.radii));
+  }
+  Result<contact::BodyShape> operator()(const groom::Body::Capsule& capsule) const {
+    return contact::BodyShape(contact::Capsule(capsule.a, capsule.b, capsule.radius));
+  }
+  Result<contact::BodyShape> operator()(
+      const std::shared_ptr<const groom::Body::Mesh>& mesh) const {
+    return FieldOf(*mesh, fields);
+  }
+};
+
+// The scalp as a body fixed to the head.
+Result<Bodies::Body> ScalpBody(const groom::Groom& groom, contact::FieldCache* fields) {
+  const contact::Friction friction = FrictionOf(*groom.scalp_friction);
+  if (const auto* mesh = std::get_if<groom::TriangleMesh>(&groom.scalp)) {
+    auto field = FieldOf(*mesh, fields);
+    if (!field) return Within("scalp_mesh.", field.error());
+    return Bodies::Body{*std::move(field), friction, {}};
+  }
+  if (const auto* ellipsoid = std::get_if<groom::Ellipsoid>(&groom.scalp)) {
+    math::Pose pose;
+    pose.p = ellipsoid->center;
+    return Bodies::Body{contact::Ellipsoid(ellipsoid->radii), friction, pose};
+  }
+  return Error{ErrorCode::kInvalidArgument, "the groom has no scalp that hair could meet",
+               "scalp_friction"};
+}
+
+}  // namespace
+
+Result<std::shared_ptr<const Bodies>> MakeBodies(const groom::Groom& groom,
+                                                 contact::FieldCache* fields) {
+  if (groom.bodies.empty() && !groom.scalp_friction) return std::shared_ptr<const Bodies>();
+  auto made = std::make_shared<Bodies>();
+  if (groom.scalp_friction) {
+    auto scalp = ScalpBody(groom, fields);
+    if (!scalp) return scalp.error();
+    if (auto valid = contact::Validate(scalp->shape); !valid) {
+      return Within("ellipsoid.", valid.error());
+    }
+    made->bodies.push_back(*std::move(scalp));
+  }
+  for (size_t i = 0; i < groom.bodies.size(); ++i) {
+    const groom::Body& body = groom.bodies[i];
+    const std::string path = fmt::format("bodies[{}].", i);
+    auto shape = std::visit(ShapeOf{fields}, body.shape);
+    if (!shape) return Within(path, shape.error());
+    if (auto valid = contact::Validate(*shape); !valid) return Within(path, valid.error());
+    made->bodies.push_back({*std::move(shape), FrictionOf(body.friction), body.pose,
+                            body.moving ? made->moving_count++ : -1});
+  }
+  return std::shared_ptr<const Bodies>(std::move(made));
+}
+
+std::vector<math::Pose> BodiesAtRest(const Bodies& bodies, const math::Pose& head) {
+  std::vector<math::Pose> poses;
+  for (const Bodies::Body& body : bodies.bodies) {
+    if (body.moving >= 0) poses.push_back(head * body.pose);
+  }
+  return poses;
+}
+
+}  // namespace mane::head

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "base/result.h"
+#include "contact/field_cache.h"
+#include "contact/friction.h"
+#include "contact/shape.h"
+#include "groom/groom.h"
+#include "math/rigid.h"
+
+namespace mane::head {
+
+/// What the hair of a groom meets, ready for contact. Immutable; shared by all heads of the groom.
+struct Bodies {
+  struct Body {
+    contact::BodyShape shape;
+    contact::Friction friction;
+    math::Pose pose;  ///< groom::Body::pose.
+    int moving = -1;  ///< Index among the groom's moving bodies; -1 where it is fixed to the head.
+  };
+  std::vector<Body> bodies;
+  int moving_count = 0;
+};
+
+/// Bodies of `groom`, its scalp among them where it has a friction, in the groom's order. Fields of
+/// meshes come from `fields`, which takes seconds where they are not there.
+///
+/// @return null where hair meets nothing. INVALID_ARGUMENT naming `bodies[i].` and the field, or
+///   `scalp_mesh.`, for shapes that cannot be used (contact::Validate, MeshField::Build).
+[[nodiscard]] Result<std::shared_ptr<const Bodies>> MakeBodies(const groom::Groom& groom,
+                                                               contact::FieldCache* fields);
+
+/// Where the moving bodies of `groom` are on a head at `head` that has not heard of others: world
+/// poses in the groom's order, (moving_count).
+[[nodiscard]] std::vector<math::Pose> BodiesAtRest(const Bodies& bodies, const math::Pose& head);
+
+}  // namespace mane::head
