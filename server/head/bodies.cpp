@@ -56,6 +56,22 @@ Result<Bodies::Body> ScalpBody(const groom::Groom& groom, contact::FieldCache* f
                "scalp_friction"};
 }
 
+std::vector<Bodies::Group> GroupsOf(const std::vector<Bodies::Body>& bodies) {
+  std::vector<Bodies::Group> groups;
+  Bodies::Group fixed;
+  for (const Bodies::Body& body : bodies) {
+    if (body.moving >= 0) continue;
+    fixed.bodies.bodies.push_back({body.shape, {body.pose, body.pose, 0}});
+    fixed.bodies.frictions.push_back(body.friction);
+  }
+  if (!fixed.bodies.bodies.empty()) groups.push_back(std::move(fixed));
+  for (const Bodies::Body& body : bodies) {
+    if (body.moving < 0) continue;
+    groups.push_back({{{{body.shape, {}}}, {body.friction}}, body.moving});
+  }
+  return groups;
+}
+
 }  // namespace
 
 Result<std::shared_ptr<const Bodies>> MakeBodies(const groom::Groom& groom,
@@ -79,6 +95,7 @@ Result<std::shared_ptr<const Bodies>> MakeBodies(const groom::Groom& groom,
     made->bodies.push_back({*std::move(shape), FrictionOf(body.friction), body.pose,
                             body.moving ? made->moving_count++ : -1});
   }
+  made->groups = GroupsOf(made->bodies);
   return std::shared_ptr<const Bodies>(std::move(made));
 }
 

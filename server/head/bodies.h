@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "contact/batch_contact.h"
 #include "contact/field_cache.h"
 #include "contact/friction.h"
 #include "contact/shape.h"
@@ -21,8 +22,15 @@ struct Bodies {
     math::Pose pose;  ///< groom::Body::pose.
     int moving = -1;  ///< Index among the groom's moving bodies; -1 where it is fixed to the head.
   };
+  /// Bodies that move as one, as steps take them: those fixed to the head, in its frame, then each
+  /// moving one, in its own.
+  struct Group {
+    contact::BodyGroup bodies;
+    int moving = -1;  ///< As of Body.
+  };
   std::vector<Body> bodies;
   int moving_count = 0;
+  std::vector<Group> groups;
 };
 
 /// Bodies of `groom`, its scalp among them where it has a friction, in the groom's order. Fields of

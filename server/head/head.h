@@ -45,7 +45,8 @@ void Reset(const groom::Groom& groom, HeadState* state);
 /// Element angles of all guides, or unknowns of wound ones [rad], (coordinates of all guides).
 [[nodiscard]] std::vector<double> Coordinates(const groom::Groom& groom, const HeadState& state);
 
-/// Moves head and hair together as one rigid body: shapes stay, velocities turn along.
+/// Moves head, hair and moving bodies together as one rigid body: shapes stay, velocities turn
+/// along.
 void Teleport(const groom::Groom& groom, const math::Pose& pose, HeadState* state);
 
 using rod::kLongestStep;
