@@ -21,7 +21,8 @@ struct BodyGroup {
 struct BatchContactSettings {
   double thickness = 5e-4;      ///< [m]
   double root_length = 5e-3;    ///< [m]
-  double recovery_speed = 0.2;  ///< [m/s]
+  double recovery_speed = 0.2;  ///< What lies deep inside comes out so fast at most [m/s],
+  double recovery_pull = 2000;    ///< pulled by so much at most [m/s^2] (K1).
 };
 
 /// How a group moves in a step of a head.

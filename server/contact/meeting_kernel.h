@@ -95,18 +95,27 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
       const V radius = block.wound ? unit * Row(element, rod::layout::kRadius) : V{};
       for (int k = 0; k < block.per_element; ++k) {
         const V arc = unit * (before + static_cast<float>(k + 1) * share);
-        // The coil's envelope, from nothing at the root.
-        const V around = 0.25F * arc < radius ? 0.25F * arc : radius;
+        // A coil's envelope, from nothing at the root; how far curled hair bulges between points.
+        const V around = block.wound ? (0.25F * arc < radius ? 0.25F * arc : radius)
+                                     : Bulge(element, unit * share, block.per_element);
         const V gap = Row(meeting, kDistance) - (numbers.thickness + around);
         const Vec n = Rows(meeting, kMeetNormal), surface = Rows(meeting, kSurface);
         const Vec last = Rows(point, rod::layout::kLastVelocity), over = last - surface;
         const V towards = Dot(n, over), near = kReach * h * Abs(towards) + All(kNear);
         const auto meets = (arc >= numbers.root_length) & (gap < near);
         const V mass = meets ? share : V{};
-        const V start = gap - h * towards, allowed0 = start + numbers.recovery_speed * dt;
-        const V allowed = allowed0 < 0.0F ? allowed0 : V{};  // K1
-        const V least =
-            (1.0F / dt) * (allowed - gap + h * Dot(n, last) + (dt - h) * Dot(n, surface));  // K2
+        const V start = gap - h * towards, out = Dot(n, surface);
+        const V allowed = start < 0.0F ? start : V{};
+        const V least = (1.0F / dt) * (allowed - gap + h * Dot(n, last) + (dt - h) * out);  // K2
+        // K1
+        const V back = (-1.0F / dt) * allowed;
+        const V speed = back < numbers.recovery_speed ? back : All(numbers.recovery_speed);
+        // A coil gives way.
+        const float soft = block.wound ? kCoilSoftness : 1;
+        const V pull = mass * (numbers.recovery_pull * dt / soft);
+        const V spring = (dt / (kLiftDepth * soft)) * pull, steep = pull / (speed + 1e-9F);
+        Put(speed > 0.0F ? (spring < steep ? spring : steep) : V{}, meeting, kLift);
+        Put(out + speed, meeting, kLiftSpeed);
         Put(mass, meeting, kMass);
         Put(least, meeting, kLeast);
 
@@ -159,25 +168,31 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
 
   static bool Finish(const MeetingBlock& block, const float* velocities, float* pressed) {
     bool any = false;
+    const float* point = block.points;
     float *meeting = block.meetings, *load = block.loads;
     for (int i = 0; i < block.elements * block.per_element; ++i) {
       const V mass = Row(meeting, kMass), least = Row(meeting, kLeast), state = Row(meeting, kRub);
       const Vec n = Rows(meeting, kMeetNormal), surface = Rows(meeting, kSurface);
-      const V speed = Dot(n, Rows(velocities, 0)), out = Dot(n, surface);
+      const Vec u = Rows(velocities, 0), over = u - surface, across = over - Dot(n, over) * n;
+      const V speed = Dot(n, u), out = Dot(n, surface), short_of = least - speed;
       const auto met = (state > 0.5F) | (state < -0.5F);
-      const V pressing = kPressing * mass * (least - speed);
+      const V pressing = kPressing * mass * short_of;
       // Its own spring pulls it nearer: it is stopped instead (K6).
       const auto pulled = met & (pressing < 0.0F) & (speed < out - 1e-6F) & (least < out);
-      if (simd::MANE_ISA::Any(pulled)) {
+      // What was free would fall in.
+      const auto falls = (state == 0.0F) & (mass > 0.0F) & (short_of > kSlack);
+      if (simd::MANE_ISA::Any(pulled | falls)) {
         any = true;
-        const V stopped = pulled ? out : least;
+        const V stopped = pulled ? out : least, slip = Speed(across);
         Put(stopped, meeting, kLeast);
-        const V change = kPressing * mass * (stopped - least);
-        Put(Rows(load, rod::layout::kPush) + change * n, load, rod::layout::kPush);
+        const V most = Coefficient(meeting, point, across, slip) * mass * short_of;
+        const V hold = falls ? Rub(mass, most, slip) : Row(load, rod::layout::kHold);
+        Load(falls ? All(-1) : state, mass, stopped, hold, n, surface, meeting, load,
+             block.loaded + i);
       }
       const V sign = state > 0.5F ? All(1) : All(-1);
       Put(met ? (pressing > 0.0F ? sign * pressing : V{}) : V{}, pressed, 0);
-      velocities += 3 * kLanes, pressed += kLanes;
+      point += rod::layout::kPointRows * kLanes, velocities += 3 * kLanes, pressed += kLanes;
       meeting += kMeetingRows * kLanes, load += rod::layout::kLoadRows * kLanes;
     }
     return any;
@@ -188,11 +203,24 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
   // K3); less than in double precision, as float32 has six digits for them and the free directions.
   static constexpr float kPressing = 1e3F;
   static constexpr float kHolding = 1e3F;
+  static constexpr float kLiftDepth = 1e-3F;   // At which what lifts is at its most (K1) [m].
+  static constexpr float kBulge = 3e-3F;       // Most that a strand keeps away for its curl [m].
+  static constexpr float kCoilSoftness = 3;
   static constexpr float kPlaneReach = 7e-4F;  // K7 [m]
+  static constexpr float kSlack = 2e-3F;       // Of a velocity that K2 asks for [m/s].
   static constexpr float kNear = 2e-3F;        // Points are looked at from here on [m],
   static constexpr float kReach = 4;           // or from this many times what they move in h.
   static constexpr float kFar = 1e9F;
 
+  // Height of the arc between two points `apart` [m] of an element with its natural curvature [m].
+  static V Bulge(const float* element, const V& apart, int per_element) {
+    const V b1 = Row(element, rod::layout::kNatural + 1),
+            b2 = Row(element, rod::layout::kNatural + 2);
+    const V bend =
+        (1.0F / static_cast<float>(per_element)) * simd::MANE_ISA::Sqrt(b1 * b1 + b2 * b2 + 1e-20F);
+    const V height = 0.125F * apart * bend;
+    return height < kBulge ? height : All(kBulge);
+  }
   static V Abs(const V& x) { return x > 0.0F ? x : -x; }
   static V Speed(const Vec& u) { return simd::MANE_ISA::Sqrt(Dot(u, u) + 1e-20F); }
   static Vec Broadcast(const float (&a)[3]) { return {All(a[0]), All(a[1]), All(a[2])}; }
@@ -222,15 +250,16 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
   static bool Load(const V& state, const V& mass, const V& least, const V& hold, const Vec& n,
                    const Vec& surface, float* meeting, float* load, unsigned char* loaded) {
     const auto met = (state > 0.5F) | (state < -0.5F);
-    const V press = met ? kPressing * mass : V{}, held = met ? hold : V{};
-    const V out = Dot(n, surface);
+    const V lift = Row(meeting, kLift), held = met ? hold : V{};
+    const V press = met ? kPressing * mass : V{}, out = Dot(n, surface);
     Put(state, meeting, kRub);
     Put(n, load, rod::layout::kNormal);
-    Put(press, load, rod::layout::kPress);
+    Put(press + lift, load, rod::layout::kPress);
     Put(held, load, rod::layout::kHold);
-    Put((press * (met ? least : V{})) * n + held * (surface - out * n), load, rod::layout::kPush);
-    Put(out, load, rod::layout::kSurfaceSpeed);
-    const bool any = simd::MANE_ISA::Any(met);
+    const V along = press * (met ? least : V{}) + lift * Row(meeting, kLiftSpeed);
+    Put(along * n + held * (surface - out * n), load, rod::layout::kPush);
+    Put(lift > 0.0F ? Row(meeting, kLiftSpeed) : out, load, rod::layout::kSurfaceSpeed);
+    const bool any = simd::MANE_ISA::Any(met | (lift > 0.0F));
     if (any) *loaded = 1;
     return any;
   }

@@ -24,6 +24,8 @@ enum Meeting : int {
   kMeetAnisotropy,               ///< Friction::anisotropy.
   kMass,        ///< That the point stands for [rho S l0]; 0 where it meets nothing.
   kLeast,       ///< v of (K2) [m/s].
+  kLift,        ///< What lifts it out, per speed that it lacks (K1) [rho S l0],
+  kLiftSpeed,   ///< and to which speed along the normal [m/s].
   kRub,         ///< +1 where it is held, -1 where it slides, 0 where it is free.
   kMeetingRows  ///< Rows in all.
 };
@@ -43,7 +45,8 @@ struct MeetingNumbers {
   float dt;              ///< [s]
   float thickness;       ///< Strands' centrelines keep this far from surfaces [m].
   float root_length;     ///< The first of a strand is not looked at [m].
-  float recovery_speed;  ///< v_r of (K1) [m/s].
+  float recovery_speed;  ///< v_r of (K1) [m/s], and
+  float recovery_pull;   ///< a_r [m/s^2].
 };
 
 /// A block of strands and its points.

@@ -1,5 +1,7 @@
 #include "head/bodies.h"
 
+#include "head/settle.h"
+
 #include <fmt/format.h>
 
 #include <type_traits>
@@ -75,7 +77,8 @@ std::vector<Bodies::Group> GroupsOf(const std::vector<Bodies::Body>& bodies) {
 }  // namespace
 
 Result<std::shared_ptr<const Bodies>> MakeBodies(const groom::Groom& groom,
-                                                 contact::FieldCache* fields) {
+                                                 contact::FieldCache* fields,
+                                                 exec::WorkerPool& pool) {
   if (groom.bodies.empty() && !groom.scalp_friction) return std::shared_ptr<const Bodies>();
   auto made = std::make_shared<Bodies>();
   if (groom.scalp_friction) {
@@ -96,6 +99,7 @@ Result<std::shared_ptr<const Bodies>> MakeBodies(const groom::Groom& groom,
                             body.moving ? made->moving_count++ : -1});
   }
   made->groups = GroupsOf(made->bodies);
+  made->settled = Settle(groom, made, pool);
   return std::shared_ptr<const Bodies>(std::move(made));
 }
 

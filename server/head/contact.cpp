@@ -42,6 +42,8 @@ void StartContact(const groom::Groom& groom, std::shared_ptr<const Bodies> bodie
   }
   contact.memory.resize(first);
   contact::Forget(contact.memory);
+  const std::vector<rod::Row<float>>& settled = contact.bodies->settled;
+  if (!settled.empty()) state->guides = settled;
 }
 
 void ForgetContact(int block, Contact* contact) {

@@ -29,8 +29,9 @@ struct Contact {
 
 struct HeadState;
 
-/// Lets the hair of `state` meet `bodies` from the next Advance on; the moving ones are where they
-/// are at rest. Allocates.
+/// Lets the hair of `state`, which is at full detail, meet `bodies` from the next Advance on. It
+/// lies still in the shape to which it settled among them; the moving ones are where they are at
+/// rest. Allocates.
 void StartContact(const groom::Groom& groom, std::shared_ptr<const Bodies> bodies,
                   HeadState* state);
 

@@ -84,7 +84,7 @@ TEST(ContactTest, Explore) {
     for (const double length : {0.12, 0.3}) {
       const auto groom = Hair(type, length, 100);
       HeadState state = AtRest(*groom, {});
-      StartContact(*groom, *MakeBodies(*groom, &fields), &state);
+      StartContact(*groom, *MakeBodies(*groom, &fields, pool), &state);
       std::printf("type %d length %.2f N %d wound %d\n", int(type), length,
                   groom->guides[0].strand.elements(), groom->guides[0].wound.has_value());
       std::vector<Vector3d> before = Points(*groom, state, pool);
@@ -100,10 +100,12 @@ TEST(ContactTest, Explore) {
             fastest = std::max(fastest, 60 * (now[p] - before[p]).norm());
             if (p % kPoints == kPoints - 1) tip = std::max(tip, 60 * (now[p] - before[p]).norm());
           }
-          std::printf("  t %.2f deepest %.2f mm (beyond 2 cm: %.2f mm) fastest %.2f tip %.2f mm/s repaired %d\n", t,
-                      1e3 * Deepest(*groom, state, 0.006, pool),
-                      1e3 * Deepest(*groom, state, 0.02, pool), 1e3 * fastest, 1e3 * tip,
-                      report.repaired_guides);
+          std::printf(
+              "  t %.2f deepest %.2f mm (beyond 2 cm: %.2f mm) fastest %.2f tip %.2f mm/s repaired "
+              "%d\n",
+              t, 1e3 * Deepest(*groom, state, 0.006, pool),
+              1e3 * Deepest(*groom, state, 0.02, pool), 1e3 * fastest, 1e3 * tip,
+              report.repaired_guides);
         }
         before = Points(*groom, state, pool);
       }
