@@ -16,8 +16,9 @@ using Block = rod::Batch<float>::Block;
 
 // Solutions after the second, each of which stops what its own spring would pull (K6).
 constexpr int kCorrections = 2;
-constexpr double kPointSpacing = 0.012;  // [m]
-constexpr int kMostPoints = 3;
+constexpr double kPointSpacing = 0.015;  // [m]
+constexpr double kLargestBulge = 2e-3;   // Of curled hair between two points [m].
+constexpr int kMostPoints = 4;
 
 void Reserve(const Block& block, int per_element, BatchContactScratch* scratch) {
   const size_t points = static_cast<size_t>(block.elements) * per_element;
@@ -33,6 +34,7 @@ void Reserve(const Block& block, int per_element, BatchContactScratch* scratch) 
   grow(static_cast<size_t>(block.elements) * rod::layout::StateRowsPerElement(block.kind),
        &scratch->next);
   scratch->loaded.assign(points, 0);
+  scratch->watched.assign(points, 0);
   for (auto* list : {&scratch->x, &scratch->y, &scratch->z, &scratch->distance, &scratch->nx,
                      &scratch->ny, &scratch->nz, &scratch->vx, &scratch->vy, &scratch->vz}) {
     grow(points * kLanes, list);
@@ -46,6 +48,7 @@ void LookAgain(const BodyGroup& group, int points, int count, Row<float>* seen,
                BatchContactScratch* scratch) {
   size_t n = 0;
   for (int i = 0; i < points; ++i) {
+    if (scratch->any_stale[i] == 0) continue;
     const float* const stale = scratch->stale[i].lane;
     for (int lane = 0; lane < count; ++lane) {
       if (stale[lane] == 0) continue;
@@ -105,9 +108,23 @@ GroupMotion MotionOf(const BodyMotion& group, const rod::ClampMotion& head) {
 }
 
 int PointsPerElement(const rod::Batch<float>& batch, const Block& block) {
-  const float* const unit = batch.constants(block) + rod::layout::kUnit * kLanes;
-  const double longest = *std::max_element(unit, unit + kLanes);
-  return std::clamp(static_cast<int>(std::ceil(longest / kPointSpacing)), 1, kMostPoints);
+  const float* const constants = batch.constants(block);
+  const float* const unit = constants + rod::layout::kUnit * kLanes;
+  const bool wound = block.kind == rod::layout::Kind::kWound;
+  double count = 1;
+  for (int lane = 0; lane < kLanes; ++lane) {
+    count = std::max(count, unit[lane] / kPointSpacing);
+    if (wound) continue;
+    const float* element = constants + rod::layout::kFirstElement * kLanes + lane;
+    for (int Q = 0; Q < block.elements;
+         ++Q, element += rod::layout::kConstantsPerElement * kLanes) {
+      const double bend = std::hypot(element[(rod::layout::kNatural + 1) * kLanes],
+                                     element[(rod::layout::kNatural + 2) * kLanes]);
+      const double length = unit[lane] * element[rod::layout::kLength * kLanes];
+      count = std::max(count, std::sqrt(length * bend / (8 * kLargestBulge)));
+    }
+  }
+  return static_cast<int>(std::ceil(std::min<double>(count - 1e-3, kMostPoints)));
 }
 
 size_t MemoryRows(const Block& block, int per_element, size_t groups) {
@@ -145,8 +162,9 @@ uint32_t StepBlockAmong(const BatchContact& contact, const rod::Batch<float>& ba
   Row<float>* const pressed = memory.data();
   for (size_t g = 0; g < contact.groups.size(); ++g) {
     Row<float>* const seen = pressed + points + g * points * kSeenRows;
+    scratch.any_stale.assign(points, 0);
     if (meetings.look(points, scratch.points[0].lane, contact.motions[g], numbers, seen->lane,
-                      scratch.local[0].lane, scratch.stale[0].lane)) {
+                      scratch.local[0].lane, scratch.stale[0].lane, scratch.any_stale.data())) {
       LookAgain(*contact.groups[g], points, block.count, seen, &scratch);
     }
     meetings.meet(points, scratch.points[0].lane, contact.motions[g], seen->lane,
@@ -160,12 +178,13 @@ uint32_t StepBlockAmong(const BatchContact& contact, const rod::Batch<float>& ba
                              scratch.points[0].lane,
                              scratch.meetings[0].lane,
                              scratch.loads[0].lane,
-                             scratch.loaded.data()};
+                             scratch.loaded.data(),
+                             scratch.watched.data()};
   Row<float> size;
   const auto solve = [&] {
     step.solve(N, per_element, constants, drive[0].lane, now, scratch.loads[0].lane,
-               scratch.loaded.data(), bytes, scratch.next[0].lane, scratch.velocities[0].lane,
-               size.lane);
+               scratch.loaded.data(), scratch.watched.data(), bytes, scratch.next[0].lane,
+               scratch.velocities[0].lane, size.lane);
   };
   meetings.begin(meeting, numbers, pressed->lane);
   solve();

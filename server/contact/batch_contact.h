@@ -22,7 +22,7 @@ struct BatchContactSettings {
   double thickness = 5e-4;      ///< [m]
   double root_length = 5e-3;    ///< [m]
   double recovery_speed = 0.2;  ///< What lies deep inside comes out so fast at most [m/s],
-  double recovery_pull = 2000;    ///< pulled by so much at most [m/s^2] (K1).
+  double recovery_pull = 2000;  ///< pulled by so much at most [m/s^2] (K1).
 };
 
 /// How a group moves in a step of a head.
@@ -31,8 +31,8 @@ struct BatchContactSettings {
 ///   to `end` within head.dt.
 [[nodiscard]] GroupMotion MotionOf(const BodyMotion& group, const rod::ClampMotion& head);
 
-/// Points of each element of a block at which it meets bodies: as few as lie within 12 mm of each
-/// other, 1 to 3.
+/// Points of each element of a block at which it meets bodies: as few as lie within 15 mm of each
+/// other and leave no more than 2 mm of curl between them, 1 to 4.
 [[nodiscard]] int PointsPerElement(const rod::Batch<float>& batch,
                                    const rod::Batch<float>::Block& block);
 
@@ -47,7 +47,7 @@ void Forget(std::span<rod::Row<float>> memory);
 struct BatchContactScratch {
   rod::BatchScratch step;
   std::vector<rod::Row<float>> points, meetings, loads, velocities, local, stale, next;
-  std::vector<unsigned char> loaded;
+  std::vector<unsigned char> loaded, watched, any_stale;
   std::vector<float> x, y, z, distance, nx, ny, nz, vx, vy, vz;
   std::vector<int32_t> body;
   std::vector<uint32_t> place;

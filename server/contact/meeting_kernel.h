@@ -25,7 +25,8 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
 
  public:
   static bool Look(int points, const float* point, const GroupMotion& group,
-                   const MeetingNumbers& numbers, const float* seen, float* local, float* stale) {
+                   const MeetingNumbers& numbers, const float* seen, float* local, float* stale,
+                   unsigned char* any_stale) {
     const Frame<V> R = FrameOf(group);
     const Vec p = Broadcast(group.position);
     bool any = false;
@@ -35,13 +36,13 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
       const V way2 = Dot(moved, moved);
       // Not far, and farther along than the plane seen there serves. Anything but a number is new.
       const V reach = Reach(point, group, x, numbers);
-      const V spare = Row(seen, kSeenDistance) - reach;
-      const V limit = spare > kPlaneReach ? spare : All(kPlaneReach);
+      const V distance = Row(seen, kSeenDistance), spare = distance - reach;
+      const V serves = PlaneReach(distance), limit = spare > serves ? spare : serves;
       const auto fresh = way2 < limit * limit;
       const V flag = fresh ? V{} : All(1);
       Put(at, local, 0);
       Put(flag, stale, 0);
-      any |= simd::MANE_ISA::Any(flag > 0.5F);
+      if (simd::MANE_ISA::Any(flag > 0.5F)) any_stale[i] = 1, any = true;
       point += rod::layout::kPointRows * kLanes;
       seen += kSeenRows * kLanes, local += 3 * kLanes, stale += kLanes;
     }
@@ -56,10 +57,10 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
     for (int i = 0; i < points; ++i) {
       const Vec x = Rows(point, rod::layout::kPosition) - p;
       const Vec moved = Rows(local, 0) - Rows(seen, kSeenAt), n = Rows(seen, kSeenNormal);
-      const V square = Dot(moved, moved);
+      const V square = Dot(moved, moved), serves = PlaneReach(Row(seen, kSeenDistance));
       // The plane that was seen holds near by; farther off only that the body is not near.
       const V distance =
-          square < kPlaneReach * kPlaneReach ? Row(seen, kSeenDistance) + Dot(n, moved) : All(kFar);
+          square < serves * serves ? Row(seen, kSeenDistance) + Dot(n, moved) : All(kFar);
       const V before = first ? All(kFar) : Row(meeting, kDistance);
       const auto nearer = distance < before;
       const Vec outward = R * n, surface = v + Cross(w, x);
@@ -88,7 +89,7 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
     bool any = false;
     const float* point = block.points;
     float *meeting = block.meetings, *load = block.loads;
-    unsigned char* loaded = block.loaded;
+    unsigned char *loaded = block.loaded, *watched = block.watched;
     for (int Q = 0; Q < block.elements; ++Q, element += stride) {
       const V length = Row(element, rod::layout::kLength);
       const V share = (1.0F / static_cast<float>(block.per_element)) * length;
@@ -116,6 +117,8 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
         const V spring = (dt / (kLiftDepth * soft)) * pull, steep = pull / (speed + 1e-9F);
         Put(speed > 0.0F ? (spring < steep ? spring : steep) : V{}, meeting, kLift);
         Put(out + speed, meeting, kLiftSpeed);
+        if (simd::MANE_ISA::Any(meets)) *watched = 1;
+        ++watched;
         Put(mass, meeting, kMass);
         Put(least, meeting, kLeast);
 
@@ -141,7 +144,11 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
     bool any = false;
     const float* point = block.points;
     float *meeting = block.meetings, *load = block.loads;
-    for (int i = 0; i < block.elements * block.per_element; ++i) {
+    for (int i = 0; i < block.elements * block.per_element; ++i,
+             point += rod::layout::kPointRows * kLanes, velocities += 3 * kLanes,
+             meeting += kMeetingRows * kLanes, load += rod::layout::kLoadRows * kLanes) {
+      if (block.watched[i] == 0) continue;
+
       const V mass = Row(meeting, kMass), least = Row(meeting, kLeast), state = Row(meeting, kRub);
       const Vec n = Rows(meeting, kMeetNormal), surface = Rows(meeting, kSurface);
       const Vec u = Rows(velocities, 0), over = u - surface, across = over - Dot(n, over) * n;
@@ -160,8 +167,6 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
       const V next = presses ? (stays ? All(1) : All(-1)) : V{};
       any |= simd::MANE_ISA::Any((next > 0.5F) | (next < -0.5F) | met);
       Load(next, mass, least, hold, n, surface, meeting, load, block.loaded + i);
-      point += rod::layout::kPointRows * kLanes, velocities += 3 * kLanes;
-      meeting += kMeetingRows * kLanes, load += rod::layout::kLoadRows * kLanes;
     }
     return any;
   }
@@ -170,7 +175,15 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
     bool any = false;
     const float* point = block.points;
     float *meeting = block.meetings, *load = block.loads;
-    for (int i = 0; i < block.elements * block.per_element; ++i) {
+    for (int i = 0; i < block.elements * block.per_element; ++i,
+             point += rod::layout::kPointRows * kLanes, velocities += 3 * kLanes,
+             meeting += kMeetingRows * kLanes, load += rod::layout::kLoadRows * kLanes,
+             pressed += kLanes) {
+      if (block.watched[i] == 0) {
+        Put(V{}, pressed, 0);
+        continue;
+      }
+
       const V mass = Row(meeting, kMass), least = Row(meeting, kLeast), state = Row(meeting, kRub);
       const Vec n = Rows(meeting, kMeetNormal), surface = Rows(meeting, kSurface);
       const Vec u = Rows(velocities, 0), over = u - surface, across = over - Dot(n, over) * n;
@@ -192,8 +205,6 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
       }
       const V sign = state > 0.5F ? All(1) : All(-1);
       Put(met ? (pressing > 0.0F ? sign * pressing : V{}) : V{}, pressed, 0);
-      point += rod::layout::kPointRows * kLanes, velocities += 3 * kLanes, pressed += kLanes;
-      meeting += kMeetingRows * kLanes, load += rod::layout::kLoadRows * kLanes;
     }
     return any;
   }
@@ -203,13 +214,14 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
   // K3); less than in double precision, as float32 has six digits for them and the free directions.
   static constexpr float kPressing = 1e3F;
   static constexpr float kHolding = 1e3F;
-  static constexpr float kLiftDepth = 1e-3F;   // At which what lifts is at its most (K1) [m].
-  static constexpr float kBulge = 3e-3F;       // Most that a strand keeps away for its curl [m].
+  static constexpr float kLiftDepth = 1e-3F;  // At which what lifts is at its most (K1) [m].
+  static constexpr float kBulge = 3e-3F;      // Most that a strand keeps away for its curl [m].
   static constexpr float kCoilSoftness = 3;
-  static constexpr float kPlaneReach = 7e-4F;  // K7 [m]
-  static constexpr float kSlack = 2e-3F;       // Of a velocity that K2 asks for [m/s].
-  static constexpr float kNear = 2e-3F;        // Points are looked at from here on [m],
-  static constexpr float kReach = 4;           // or from this many times what they move in h.
+  static constexpr float kPlaneReach = 1.2e-3F;  // K7 [m]
+  static constexpr float kPlaneShare = 0.3F;
+  static constexpr float kSlack = 2e-2F;  // Of a velocity that K2 asks for [m/s].
+  static constexpr float kNear = 2e-3F;   // Points are looked at from here on [m],
+  static constexpr float kReach = 2;      // or from this many times what they move in h.
   static constexpr float kFar = 1e9F;
 
   // Height of the arc between two points `apart` [m] of an element with its natural curvature [m].
@@ -229,6 +241,10 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
     return {{All(f[0]), All(f[1]), All(f[2])},
             {All(f[3]), All(f[4]), All(f[5])},
             {All(f[6]), All(f[7]), All(f[8])}};
+  }
+  // How far a plane seen at this distance serves [m] (K7).
+  static V PlaneReach(const V& distance) {
+    return kPlaneReach + (distance > 0.0F ? kPlaneShare * distance : V{});
   }
   // How near a body must be to be looked at [m].
   static V Reach(const float* point, const GroupMotion& group, const Vec& x,
@@ -280,9 +296,11 @@ struct MeetingTable {
   }
 
   static bool Look(int points, const float* point, const GroupMotion& group,
-                   const MeetingNumbers& numbers, const float* seen, float* local, float* stale) {
+                   const MeetingNumbers& numbers, const float* seen, float* local, float* stale,
+                   unsigned char* any_stale) {
     return Groups([&](int l) {
-      return Meetings<W>::Look(points, point + l, group, numbers, seen + l, local + l, stale + l);
+      return Meetings<W>::Look(points, point + l, group, numbers, seen + l, local + l, stale + l,
+                               any_stale);
     });
   }
   static void Meet(int points, const float* point, const GroupMotion& group, const float* seen,

@@ -59,6 +59,8 @@ struct MeetingBlock {
   float* meetings;         ///< (N x per_element x kMeetingRows)
   float* loads;            ///< rod::layout::Load rows.
   unsigned char* loaded;   ///< (N x per_element)
+  unsigned char*
+      watched;  ///< Whether any lane is near a body; others are left alone (N x per_element).
 };
 
 /// The kernels of one instruction set; pure functions of their arguments, each lane's result
@@ -68,9 +70,11 @@ struct MeetingKernels {
   ///
   /// @param local  out: (points x 3)
   /// @param stale  out: 1 or 0 (points)
+  /// @param any_stale  in: 0; out: whether any lane is (points)
   /// @return whether any is stale.
   bool (*look)(int points, const float* point_rows, const GroupMotion& group,
-               const MeetingNumbers& numbers, const float* seen, float* local, float* stale);
+               const MeetingNumbers& numbers, const float* seen, float* local, float* stale,
+               unsigned char* any_stale);
   /// Takes over the group where it is nearer than those before; the first sets all.
   void (*meet)(int points, const float* point_rows, const GroupMotion& group, const float* seen,
                const float* local, bool first, float* meetings);

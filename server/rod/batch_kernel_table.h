@@ -55,12 +55,13 @@ void ApproachBlock(int N, int per_element, const T* constants, const T* drive, c
 
 template <typename T, typename Kernel, int W>
 void SolveBlock(int N, int per_element, const T* constants, const T* drive, const T* state,
-                const T* loads, const unsigned char* loaded, void* scratch, T* next, T* velocities,
-                T* size) {
+                const T* loads, const unsigned char* loaded, const unsigned char* watched,
+                void* scratch, T* next, T* velocities, T* size) {
   for (int lane = 0; lane < layout::kLanes; lane += W) {
     const ApproachScratch<Kernel> own(scratch, N, per_element, lane / W);
     Kernel::Solve(N, per_element, constants + lane, drive + lane, state + lane, loads + lane,
-                  loaded, own.elements, own.shapes, next + lane, velocities + lane, size + lane);
+                  loaded, watched, own.elements, own.shapes, next + lane, velocities + lane,
+                  size + lane);
   }
 }
 

@@ -21,11 +21,12 @@ template <typename T>
 template <typename T, int W>
 struct StrandStep<T, W>::Loads {
   int per_element;
-  const T* rows;                ///< Of the element's points: loads,
-  const unsigned char* loaded;  ///< whether any lane has one,
-  const PointShape* shapes;     ///< and shapes.
-  T* velocities;                ///< Of the points, out.
-  V unit, inverse_unit;         ///< l0 and 1 / l0.
+  const T* rows;                 ///< Of the element's points: loads,
+  const unsigned char* loaded;   ///< whether any lane has one, and whether
+  const unsigned char* watched;  ///< its velocity is wanted,
+  const PointShape* shapes;      ///< and shapes.
+  T* velocities;                 ///< Of the points, out.
+  V unit, inverse_unit;          ///< l0 and 1 / l0.
 
   [[nodiscard]] PointLoad At(int k) const {
     return {rows + k * layout::kLoadRows * layout::kLanes, inverse_unit};
@@ -52,6 +53,7 @@ struct StrandStep<T, W>::Loads {
   }
   void Show(const Field& along, const Vec& velocity) const {
     for (int k = 0; k < per_element; ++k) {
+      if (watched[k] == 0) continue;
       const Vec u = velocity + along.At(All(FractionOf<double>(k, per_element)), shapes[k]);
       Put(unit * u, velocities, 3 * k);
     }
@@ -75,11 +77,18 @@ void StrandStep<T, W>::Approach(int N, int per_element, const T* constants, cons
     const auto reduction = Reduce(e.zeta);
     for (int k = 0; k < per_element; ++k, ++shapes) {
       const T s = FractionOf<T>(k, per_element);
-      const Stumpff<V> c = Base::template Evaluate<false>(reduction, s);
-      *shapes = Base::ShapeAt(s, c);
+      V phi1;  // s c1
+      if (k + 1 == per_element) {
+        *shapes = EndShape(e);
+        phi1 = T(1) - e.zeta * e.c3;
+      } else {
+        const Stumpff<V> c = Base::template Evaluate<false>(reduction, s);
+        *shapes = Base::ShapeAt(s, c);
+        phi1 = s * c.c1;
+      }
       const Vec r = All(s) * e.R.n0 + shapes->phi2 * e.A + shapes->phi3 * B;
       Put(left + size * r, points, layout::kPosition);
-      Put(e.R.n0 + (s * c.c1) * e.A + shapes->phi2 * B, points, layout::kTangent);
+      Put(e.R.n0 + phi1 * e.A + shapes->phi2 * B, points, layout::kTangent);
       Put(unit * (velocity + along.At(All(1) * s, *shapes)), points, layout::kLastVelocity);
       points += layout::kPointRows * layout::kLanes;
     }
@@ -94,20 +103,17 @@ void StrandStep<T, W>::Approach(int N, int per_element, const T* constants, cons
 template <typename T, int W>
 void StrandStep<T, W>::Solve(int N, int per_element, const T* constants, const T* drive,
                              const T* state, const T* loads, const unsigned char* loaded,
-                             Element* scratch, const PointShape* shapes, T* next, T* velocities,
-                             T* size) {
+                             const unsigned char* watched, Element* scratch,
+                             const PointShape* shapes, T* next, T* velocities, T* size) {
   const Clamp clamp = ReadClamp(constants, drive);
   const Constants step = Prepare(constants, drive, clamp.velocity);
   const V unit = Row(constants, layout::kUnit), inverse = Row(constants, layout::kInverseUnit);
   const auto loads_of = [&](int Q) __attribute__((always_inline)) {
     const int first = Q * per_element;
-    return Loads{per_element,
-                 loads + first * layout::kLoadRows * layout::kLanes,
-                 loaded + first,
-                 shapes + first,
-                 velocities + 3 * first * layout::kLanes,
-                 unit,
-                 inverse};
+    return Loads{per_element,    loads + first * layout::kLoadRows * layout::kLanes,
+                 loaded + first, watched + first,
+                 shapes + first, velocities + 3 * first * layout::kLanes,
+                 unit,           inverse};
   };
   SolveWith(N, clamp, step, constants, drive, state, loads_of, scratch, next, size);
 }
@@ -119,6 +125,7 @@ struct WoundStep<T, W>::Loads {
   int per_element;
   const T* rows;
   const unsigned char* loaded;
+  const unsigned char* watched;
   const PointShape* shapes;
   T* velocities;
   V unit, inverse_unit;
@@ -153,6 +160,7 @@ struct WoundStep<T, W>::Loads {
   }
   void Show(const Field& along, const Vec& velocity) const {
     for (int k = 0; k < per_element; ++k) {
+      if (watched[k] == 0) continue;
       const Vec u = velocity + along.At(All(FractionOf<double>(k, per_element)), shapes[k]);
       Put(unit * u, velocities, 3 * k);
     }
@@ -179,11 +187,18 @@ void WoundStep<T, W>::Approach(int N, int per_element, const T* constants, const
     const auto reduction = Reduce(e.zeta);
     for (int k = 0; k < per_element; ++k, ++shapes) {
       const T s = FractionOf<T>(k, per_element);
-      const Stumpff<V> c = Base::template Evaluate<false>(reduction, s);
-      *shapes = Base::ShapeAt(s, c);
+      V phi1;  // s c1
+      if (k + 1 == per_element) {
+        *shapes = EndShape(e);
+        phi1 = T(1) - e.zeta * e.c3;
+      } else {
+        const Stumpff<V> c = Base::template Evaluate<false>(reduction, s);
+        *shapes = Base::ShapeAt(s, c);
+        phi1 = s * c.c1;
+      }
       const Vec r = All(s) * e.R.n0 + shapes->phi2 * e.A + shapes->phi3 * B;
       Put(left + size * r, points, layout::kPosition);
-      Put(e.R.n0 + (s * c.c1) * e.A + shapes->phi2 * B, points, layout::kTangent);
+      Put(e.R.n0 + phi1 * e.A + shapes->phi2 * B, points, layout::kTangent);
       Put(unit * (velocity + along.At(All(1) * s, *shapes)), points, layout::kLastVelocity);
       points += layout::kPointRows * layout::kLanes;
     }
@@ -198,20 +213,17 @@ void WoundStep<T, W>::Approach(int N, int per_element, const T* constants, const
 template <typename T, int W>
 void WoundStep<T, W>::Solve(int N, int per_element, const T* constants, const T* drive,
                             const T* state, const T* loads, const unsigned char* loaded,
-                            Element* scratch, const PointShape* shapes, T* next, T* velocities,
-                            T* size) {
+                            const unsigned char* watched, Element* scratch,
+                            const PointShape* shapes, T* next, T* velocities, T* size) {
   const Clamp clamp = AxisClamp(constants, drive);
   const Constants step = Prepare(constants, drive, clamp.velocity);
   const V unit = Row(constants, layout::kUnit), inverse = Row(constants, layout::kInverseUnit);
   const auto loads_of = [&](int Q) __attribute__((always_inline)) {
     const int first = Q * per_element;
-    return Loads{per_element,
-                 loads + first * layout::kLoadRows * layout::kLanes,
-                 loaded + first,
-                 shapes + first,
-                 velocities + 3 * first * layout::kLanes,
-                 unit,
-                 inverse};
+    return Loads{per_element,    loads + first * layout::kLoadRows * layout::kLanes,
+                 loaded + first, watched + first,
+                 shapes + first, velocities + 3 * first * layout::kLanes,
+                 unit,           inverse};
   };
   SolveWith(N, clamp, step, constants, drive, state, loads_of, scratch, next, size);
 }

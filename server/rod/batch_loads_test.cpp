@@ -53,6 +53,7 @@ class Solver {
     loads_.resize(points * layout::kLoadRows);
     velocities_.resize(points * 3);
     loaded_.assign(points, 0);
+    watched_.assign(points, 1);
     bytes_ = scratch_.Reserve(static_cast<size_t>(block_.elements) *
                               kernels_.approach_per_element(kPerElement));
   }
@@ -75,8 +76,8 @@ class Solver {
   void Solve(std::span<const Row<T>> state, std::span<Row<T>> next) {
     Row<T> size;
     kernels_.solve(block_.elements, kPerElement, batch_.constants(block_), drive_[0].lane,
-                   state[block_.state].lane, loads_[0].lane, loaded_.data(), bytes_,
-                   next[block_.state].lane, velocities_[0].lane, size.lane);
+                   state[block_.state].lane, loads_[0].lane, loaded_.data(), watched_.data(),
+                   bytes_, next[block_.state].lane, velocities_[0].lane, size.lane);
   }
   Vector3d Point(int point, int lane, int row) const {
     return At(points_, point * layout::kPointRows + row, lane);
@@ -92,7 +93,7 @@ class Solver {
   const KindKernels<T>& kernels_;
   std::array<Row<T>, layout::kDriveRows> drive_;
   std::vector<Row<T>> points_, loads_, velocities_;
-  std::vector<unsigned char> loaded_;
+  std::vector<unsigned char> loaded_, watched_;
   BatchScratch scratch_;
   void* bytes_;
 };

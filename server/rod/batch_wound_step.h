@@ -64,8 +64,8 @@ class WoundStep : WoundAxis<T, W> {
   static void Approach(int N, int per_element, const T* constants, const T* drive, const T* state,
                        Element* scratch, PointShape* shapes, T* points);
   static void Solve(int N, int per_element, const T* constants, const T* drive, const T* state,
-                    const T* loads, const unsigned char* loaded, Element* scratch,
-                    const PointShape* shapes, T* next, T* velocities, T* size);
+                    const T* loads, const unsigned char* loaded, const unsigned char* watched,
+                    Element* scratch, const PointShape* shapes, T* next, T* velocities, T* size);
 
  private:
   // The part of an element's cost that has its rates v: 1/2 v.H v + v.(Hv1 velocity + Hv2 spin) -

@@ -42,12 +42,13 @@ struct KindKernels {
   /// @param loads       (N x per_element x kLoadRows x kLanes)
   /// @param loaded      whether any lane of a point has a load; others are not read, (N x
   ///                    per_element).
+  /// @param watched     whose velocities are wanted, (N x per_element).
   /// @param next        out: the state that `state` goes to.
   /// @param velocities  out: of the points in the step, world [m/s], (N x per_element x 3 x kLanes)
   /// @param size        as of step.
   void (*solve)(int N, int per_element, const T* constants, const T* drive, const T* state,
-                const T* loads, const unsigned char* loaded, void* scratch, T* next, T* velocities,
-                T* size);
+                const T* loads, const unsigned char* loaded, const unsigned char* watched,
+                void* scratch, T* next, T* velocities, T* size);
   int (*approach_per_element)(int per_element);
 };
 
