@@ -123,15 +123,16 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
         Put(least, meeting, kLeast);
 
         const V impulse = Row(pressed, 0), size = Abs(impulse);
-        const V falls = mass * (least - Dot(n, last));
-        const auto active = meets & ((size > 0.0F) | (falls > 0.0F));
-        const auto holds = impulse > 0.0F;
-        const V pressing = size > 0.0F ? size : falls;
-        const V slip = Speed(over - towards * n);
-        const V mu = Coefficient(meeting, point, over - towards * n, slip);
-        const V hold = holds ? kHolding * mass : Rub(mass, mu * pressing, slip);
-        const V state = active ? (holds ? All(1) : All(-1)) : V{};
-        any |= Load(state, mass, least, hold, n, surface, meeting, load, loaded++);
+        const V falls = least - Dot(n, last), lift = Row(meeting, kLift);
+        const auto was = size > 0.0F, holds = impulse > 0.0F;
+        const auto stops = meets & ((falls > 0.0F) | (was & (lift == 0.0F)));
+        const auto touches = stops | (meets & was);
+        const Vec across = over - towards * n;
+        const V slip = Speed(across), pressing = was ? size : mass * falls;
+        const V most = Coefficient(meeting, point, across, slip) * pressing;
+        const V hold = holds ? kHolding * mass : Rub(mass, most, slip);
+        const V rub = touches ? (holds ? All(1) : All(-1)) : V{};
+        any |= Load(stops, rub, mass, least, hold, n, surface, meeting, load, loaded++);
         point += rod::layout::kPointRows * kLanes, pressed += kLanes;
         meeting += kMeetingRows * kLanes, load += rod::layout::kLoadRows * kLanes;
       }
@@ -149,24 +150,21 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
              meeting += kMeetingRows * kLanes, load += rod::layout::kLoadRows * kLanes) {
       if (block.watched[i] == 0) continue;
 
-      const V mass = Row(meeting, kMass), least = Row(meeting, kLeast), state = Row(meeting, kRub);
+      const V mass = Row(meeting, kMass), least = Row(meeting, kLeast), rub = Row(meeting, kRub);
       const Vec n = Rows(meeting, kMeetNormal), surface = Rows(meeting, kSurface);
       const Vec u = Rows(velocities, 0), over = u - surface, across = over - Dot(n, over) * n;
-      const V short_of = least - Dot(n, u), slip = Speed(across);
-      const auto met = (state > 0.5F) | (state < -0.5F);
-      const auto presses = (mass > 0.0F) & (short_of > 0.0F);
-      // What it pressed with; of one that was free, what stops its own mass.
-      const V pressing = mass * (met ? kPressing * short_of : short_of);
-      const V mu = Coefficient(meeting, point, across, slip), most = mu * pressing;
+      const V speed = Dot(n, u), short_of = least - speed, slip = Speed(across);
+      const auto stops = (mass > 0.0F) & (short_of > 0.0F);
+      const V pressing = Pressing(meeting, mass, short_of, speed);
+      const V most = Coefficient(meeting, point, across, slip) * pressing;
       const V held = kHolding * mass * slip;  // Impulse of one that is held.
-      const auto was_held = state > 0.5F;
-      const auto stays = (was_held & (held <= most)) | ((state < -0.5F) & (held <= most));
+      const auto stays = (Abs(rub) > 0.5F) & (held <= most);
       // One that was held and lets go slides by what friction no longer takes, at most (K8).
-      const V faster = was_held ? slip + (held - most) / (mass + 1e-30F) : slip;
+      const V faster = rub > 0.5F ? slip + (held - most) / (mass + 1e-30F) : slip;
       const V hold = stays ? kHolding * mass : Rub(mass, most, faster);
-      const V next = presses ? (stays ? All(1) : All(-1)) : V{};
-      any |= simd::MANE_ISA::Any((next > 0.5F) | (next < -0.5F) | met);
-      Load(next, mass, least, hold, n, surface, meeting, load, block.loaded + i);
+      const V next = pressing > 0.0F ? (stays ? All(1) : All(-1)) : V{};
+      any |= simd::MANE_ISA::Any(Abs(next) + Abs(rub) > 0.5F);
+      Load(stops, next, mass, least, hold, n, surface, meeting, load, block.loaded + i);
     }
     return any;
   }
@@ -184,27 +182,27 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
         continue;
       }
 
-      const V mass = Row(meeting, kMass), least = Row(meeting, kLeast), state = Row(meeting, kRub);
+      const V mass = Row(meeting, kMass), least = Row(meeting, kLeast), rub = Row(meeting, kRub);
       const Vec n = Rows(meeting, kMeetNormal), surface = Rows(meeting, kSurface);
       const Vec u = Rows(velocities, 0), over = u - surface, across = over - Dot(n, over) * n;
       const V speed = Dot(n, u), out = Dot(n, surface), short_of = least - speed;
-      const auto met = (state > 0.5F) | (state < -0.5F);
-      const V pressing = kPressing * mass * short_of;
+      const auto stops = Row(meeting, kStiff) > 0.0F;
       // Its own spring pulls it nearer: it is stopped instead (K6).
-      const auto pulled = met & (pressing < 0.0F) & (speed < out - 1e-6F) & (least < out);
+      const auto pulled = stops & (short_of < 0.0F) & (speed < out - 1e-6F) & (least < out);
       // What was free would fall in.
-      const auto falls = (state == 0.0F) & (mass > 0.0F) & (short_of > kSlack);
+      const auto falls = (Row(meeting, kStiff) == 0.0F) & (mass > 0.0F) & (short_of > kSlack);
+      const V slip = Speed(across), pressing = Pressing(meeting, mass, short_of, speed);
+      const V most = Coefficient(meeting, point, across, slip) * pressing;
       if (simd::MANE_ISA::Any(pulled | falls)) {
         any = true;
-        const V stopped = pulled ? out : least, slip = Speed(across);
+        const V stopped = pulled ? out : least;
         Put(stopped, meeting, kLeast);
-        const V most = Coefficient(meeting, point, across, slip) * mass * short_of;
         const V hold = falls ? Rub(mass, most, slip) : Row(load, rod::layout::kHold);
-        Load(falls ? All(-1) : state, mass, stopped, hold, n, surface, meeting, load,
+        Load(stops | falls, falls ? All(-1) : rub, mass, stopped, hold, n, surface, meeting, load,
              block.loaded + i);
       }
-      const V sign = state > 0.5F ? All(1) : All(-1);
-      Put(met ? (pressing > 0.0F ? sign * pressing : V{}) : V{}, pressed, 0);
+      const V sign = rub > 0.5F ? All(1) : All(-1);
+      Put((Abs(rub) > 0.5F) & (pressing > 0.0F) ? sign * pressing : V{}, pressed, 0);
     }
     return any;
   }
@@ -263,19 +261,30 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
     const V hold = most / slip, largest = kHolding * mass;
     return hold < largest ? hold : largest;
   }
-  static bool Load(const V& state, const V& mass, const V& least, const V& hold, const Vec& n,
-                   const Vec& surface, float* meeting, float* load, unsigned char* loaded) {
-    const auto met = (state > 0.5F) | (state < -0.5F);
-    const V lift = Row(meeting, kLift), held = met ? hold : V{};
-    const V press = met ? kPressing * mass : V{}, out = Dot(n, surface);
-    Put(state, meeting, kRub);
+  // Normal impulse of a point in a solution: what stops it, if anything does, and what lifts it; of
+  // one that was free, what would stop its own mass.
+  static V Pressing(const float* meeting, const V& mass, const V& short_of, const V& speed) {
+    const V stiff = Row(meeting, kStiff), each = stiff > 0.0F ? stiff : mass;
+    const V stopping = short_of > 0.0F ? each * short_of : V{};
+    const V lifting = Row(meeting, kLift) * (Row(meeting, kLiftSpeed) - speed);
+    return stopping + (lifting > 0.0F ? lifting : V{});
+  }
+  // Loads of a point: stopped where `stops`, rubbed with `hold` where `rub` is not 0, and lifted.
+  template <typename M>
+  static bool Load(const M& stops, const V& rub, const V& mass, const V& least, const V& hold,
+                   const Vec& n, const Vec& surface, float* meeting, float* load,
+                   unsigned char* loaded) {
+    const V lift = Row(meeting, kLift), held = Abs(rub) > 0.5F ? hold : V{};
+    const V press = stops ? kPressing * mass : V{}, out = Dot(n, surface);
+    Put(rub, meeting, kRub);
+    Put(press, meeting, kStiff);
     Put(n, load, rod::layout::kNormal);
     Put(press + lift, load, rod::layout::kPress);
     Put(held, load, rod::layout::kHold);
-    const V along = press * (met ? least : V{}) + lift * Row(meeting, kLiftSpeed);
+    const V along = press * (stops ? least : V{}) + lift * Row(meeting, kLiftSpeed);
     Put(along * n + held * (surface - out * n), load, rod::layout::kPush);
     Put(lift > 0.0F ? Row(meeting, kLiftSpeed) : out, load, rod::layout::kSurfaceSpeed);
-    const bool any = simd::MANE_ISA::Any(met | (lift > 0.0F));
+    const bool any = simd::MANE_ISA::Any(press + lift + held > 0.0F);
     if (any) *loaded = 1;
     return any;
   }

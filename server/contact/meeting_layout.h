@@ -24,9 +24,11 @@ enum Meeting : int {
   kMeetAnisotropy,               ///< Friction::anisotropy.
   kMass,        ///< That the point stands for [rho S l0]; 0 where it meets nothing.
   kLeast,       ///< v of (K2) [m/s].
+  kStiff,       ///< What keeps it from going on, per speed that it lacks (K2) [rho S l0]; 0 where
+                ///< nothing.
   kLift,        ///< What lifts it out, per speed that it lacks (K1) [rho S l0],
   kLiftSpeed,   ///< and to which speed along the normal [m/s].
-  kRub,         ///< +1 where it is held, -1 where it slides, 0 where it is free.
+  kRub,         ///< +1 where it is held across, -1 where it slides, 0 where it touches nothing.
   kMeetingRows  ///< Rows in all.
 };
 

@@ -1,0 +1,328 @@
+// Laws of batched strands among bodies, on every instruction set:
+//   incline     hair that lies across a slope stays below the angle of friction and slides above it
+//   scales      friction over pressure follows the cosine law wherever hair slides
+//   energy      a body that does not move gives hair no energy, at any step
+//   depth       hair that begins inside a body comes out no faster than it may, and stays out
+//   bounded     whatever moves, the state stays finite
+//   neighbours  a lane's bits do not depend on what others meet
+//   economy     a warm step does not allocate
+
+#include "contact/batch_contact.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "contact/test_meshes.h"
+#include "rod/chain.h"
+#include "rod/energy.h"
+#include "rod/test_allocations.h"
+#include "rod/test_batches.h"
+
+namespace mane::contact {
+namespace {
+
+using Eigen::Vector3d;
+using rod::Row;
+using rod::fixtures::Random;
+using rod::fixtures::State;
+using rod::layout::kLanes;
+
+constexpr double kDt = 1.0 / 60;
+
+// Strands of equal N on a head, stepped among one body that has a motion of its own.
+class Among {
+ public:
+  Among(simd::Isa isa, BodyShape shape, const Friction& friction)
+      : step_(rod::KernelsFor<float>(isa)),
+        meetings_(MeetingKernelsFor(isa)),
+        group_{{{std::move(shape), {}}}, {friction}} {}
+
+  void Add(const rod::Strand& strand, const math::Pose& root, const State& state) {
+    strands_.push_back(std::make_unique<rod::Strand>(strand));
+    roots_.push_back(root);
+    starts_.push_back(state);
+  }
+  void Pack() {
+    std::vector<rod::RootedStrand> rooted;
+    for (size_t i = 0; i < strands_.size(); ++i) rooted.push_back({strands_[i].get(), roots_[i]});
+    batch_ = rod::Batch<float>(rooted);
+    state_.resize(batch_.state_rows());
+    for (size_t i = 0; i < strands_.size(); ++i) {
+      batch_.SetStrand(static_cast<int>(i), starts_[i].View(), state_);
+    }
+    ASSERT_EQ(batch_.blocks().size(), 1U);
+    per_element_ = PointsPerElement(batch_, block());
+    memory_.resize(MemoryRows(block(), per_element_, 1));
+    Forget(memory_);
+  }
+  [[nodiscard]] uint32_t Step(const rod::ClampMotion& head, const rod::Surroundings& air,
+                              const BodyMotion& body) {
+    rod::SetDrive<float>(head, air, 0, kLanes, drive_);
+    const GroupMotion motion = MotionOf(body, head);
+    const BodyGroup* const group = &group_;
+    const BatchContact contact{step_, meetings_, {&group, 1}, {&motion, 1}, settings};
+    return StepBlockAmong(contact, batch_, block(), per_element_, drive_, memory_, state_, scratch);
+  }
+  [[nodiscard]] State Get(int i) const {
+    State state = starts_[i];
+    batch_.GetStrand(i, state_, state.View());
+    return state;
+  }
+  [[nodiscard]] Vector3d Tip(int i) const {
+    return rod::fixtures::Tip(*strands_[i], roots_[i], Get(i).theta);
+  }
+  [[nodiscard]] const rod::Batch<float>::Block& block() const { return batch_.blocks()[0]; }
+  [[nodiscard]] int points() const { return block().elements * per_element_; }
+  [[nodiscard]] const std::vector<Row<float>>& state() const { return state_; }
+
+  BatchContactSettings settings;
+  BatchContactScratch scratch;
+
+ private:
+  const rod::KernelTable<float>& step_;
+  const MeetingKernels& meetings_;
+  BodyGroup group_;
+  std::vector<std::unique_ptr<rod::Strand>> strands_;
+  std::vector<math::Pose> roots_;
+  std::vector<State> starts_;
+  rod::Batch<float> batch_;
+  std::vector<Row<float>> state_, memory_;
+  std::array<Row<float>, rod::layout::kDriveRows> drive_;
+  int per_element_ = 0;
+};
+
+// A table whose top is y = 0.
+BodyShape Table() {
+  static const std::shared_ptr<const MeshField> field = [] {
+    exec::WorkerPool pool(2);
+    return *MeshField::Build(fixtures::Box({-0.15, -0.06, -0.3}, {0.35, 0, 0.3}), {}, &pool);
+  }();
+  return field;
+}
+
+// Soft straight hair along x on the table, from its root on.
+struct Lying {
+  rod::Strand strand;
+  math::Pose root{{0, 5e-4, 0}, Eigen::Quaterniond::Identity()};
+
+  explicit Lying(int N) : strand(rod::fixtures::HeavyStrand(2e4, N)) {
+    strand.air_drag = 2 * strand.linear_density;  // Settles within some seconds.
+  }
+};
+
+// How far tips move in two seconds on a slope of `angle` across the hair, after half a second, in
+// which it comes to lie.
+double Slide(simd::Isa isa, double mu, double angle) {
+  const Lying lying(8);
+  Among hair(isa, Table(), {mu, 0});
+  hair.Add(lying.strand, lying.root, State(lying.strand));
+  hair.Pack();
+  rod::Surroundings air;
+  air.gravity = 9.81 * Vector3d(0, -std::cos(angle), std::sin(angle));
+  Vector3d start = Vector3d::Zero();
+  for (int i = 0; i < 2.5 / kDt; ++i) {
+    if (i == 30) start = hair.Tip(0);
+    EXPECT_EQ(hair.Step({{}, {}, kDt}, air, {}), 0U);
+  }
+  return (hair.Tip(0) - start).norm();
+}
+
+TEST(BatchContactTest, HairOnASlopeSlidesAboveTheAngleOfFriction) {
+  for (const simd::Isa isa : simd::Supported()) {
+    for (const double mu : {0.1, 0.3, 0.6, 1.0}) {
+      double holds = 0.5 * std::atan(mu), slides = std::min(1.5, 1.5 * std::atan(mu));
+      for (int i = 0; i < 7; ++i) {
+        const double angle = 0.5 * (holds + slides);
+        (Slide(isa, mu, angle) < 1e-3 ? holds : slides) = angle;
+      }
+      EXPECT_NEAR(0.5 * (holds + slides) / std::atan(mu), 1, 0.05) << mu << " " << simd::Name(isa);
+    }
+  }
+}
+
+// The table is drawn away under hair that lies on it, in any direction.
+TEST(BatchContactTest, FrictionFollowsTheCosineLawInEveryDirection) {
+  for (const simd::Isa isa : simd::Supported()) {
+    for (int turn = 0; turn < 8; ++turn) {
+      const double angle = turn * M_PI / 4;
+      const Friction friction{0.3, 0.5};
+      const Lying lying(8);
+      Among hair(isa, Table(), friction);
+      hair.Add(lying.strand, lying.root, State(lying.strand));
+      hair.Pack();
+      const Vector3d speed = 0.05 * Vector3d(std::cos(angle), 0, std::sin(angle));
+      double friction_impulse = 0, expected = 0;
+      for (int step = 0; step < 140; ++step) {
+        const auto at = [&](int k) {
+          return math::Pose{k * kDt * speed, Eigen::Quaterniond::Identity()};
+        };
+        ASSERT_EQ(hair.Step({{}, {}, kDt}, {}, {at(step), at(step + 1), kDt}), 0U);
+        if (step < 80) continue;  // Until it lies along and slides.
+        for (int i = 0; i < hair.points(); ++i) {
+          const auto number = [&](const std::vector<Row<float>>& rows, int at_row) {
+            return double{rows[at_row].lane[0]};
+          };
+          const auto row = [&](const std::vector<Row<float>>& rows, int at_row) {
+            return Vector3d(number(rows, at_row), number(rows, at_row + 1),
+                            number(rows, at_row + 2));
+          };
+          const auto &meetings = hair.scratch.meetings, &loads = hair.scratch.loads,
+                     &velocities = hair.scratch.velocities, &points = hair.scratch.points;
+          if (number(meetings, i * kMeetingRows + kRub) > -0.5) continue;
+          const int load = i * rod::layout::kLoadRows;
+          // What hardly slides any more is held (K3).
+          if (number(loads, load + rod::layout::kHold) >
+              900 * number(meetings, i * kMeetingRows + kMass)) {
+            continue;
+          }
+          const Vector3d u = row(velocities, 3 * i), n = row(loads, load + rod::layout::kNormal),
+                         push = row(loads, load + rod::layout::kPush),
+                         t = row(points, i * rod::layout::kPointRows + rod::layout::kTangent);
+          const Vector3d slip = u - speed - n * n.dot(u - speed);
+          const double normal = n.dot(push) - number(loads, load + rod::layout::kPress) * n.dot(u);
+          friction_impulse += number(loads, load + rod::layout::kHold) * slip.norm();
+          expected += friction.Coefficient(slip, t) * normal;
+        }
+      }
+      EXPECT_GT(expected, 1);
+      const double share = friction_impulse / expected;
+      // Drawn to its root, hair buckles and hops: friction is then a step behind, and less.
+      EXPECT_GT(share, std::cos(angle) > -0.1 ? 0.97 : 0.5) << angle << " " << simd::Name(isa);
+      EXPECT_LT(share, 1.03) << angle << " " << simd::Name(isa);
+    }
+  }
+}
+
+TEST(BatchContactTest, ABodyAtRestGivesNoEnergy) {
+  for (const simd::Isa isa : simd::Supported()) {
+    Random random(41);
+    rod::Surroundings air;
+    air.gravity.setZero();
+    for (int i = 0; i < 12; ++i) {
+      const double dt = std::pow(10, random.Uniform(-3, -1.3));
+      Among hair(isa, Table(), {0.5, 0.25});
+      hair.settings.recovery_speed = 0;  // What a body owes hair inside it is not at issue here.
+      std::vector<rod::Strand> strands;
+      for (int lane = 0; lane < kLanes; ++lane) {
+        const rod::Strand strand = random.UnevenStrand(5, 0.12, 1);
+        const math::Pose root{{0, 0.05, 0}, random.Rotation()};
+        State state(strand);
+        for (Vector3d& rate : state.rate) rate = random.Vector(20);
+        rod::GaussVelocities(strand.length, root, Vector3d::Zero(), Vector3d::Zero(), state.theta,
+                             state.rate, state.velocity);
+        hair.Add(strand, root, state);
+        strands.push_back(strand);
+      }
+      hair.Pack();
+      std::vector<double> before(kLanes, 1e9), start(kLanes);
+      for (int step = 0; step < 60; ++step) {
+        for (int lane = 0; lane < kLanes; ++lane) {
+          const State state = hair.Get(lane);
+          const double now = rod::KineticEnergy(strands[lane], state.velocity) +
+                             rod::ElasticEnergy(strands[lane], state.theta);
+          if (step == 0) start[lane] = now;
+          EXPECT_LE(now, before[lane] + 2e-3 * start[lane])
+              << i << " dt=" << dt << " step " << step << " lane " << lane;
+          before[lane] = now;
+        }
+        ASSERT_EQ(hair.Step({{}, {}, dt}, air, {}), 0U);
+      }
+    }
+  }
+}
+
+TEST(BatchContactTest, HairThatBeginsInsideComesOutSmoothly) {
+  for (const simd::Isa isa : simd::Supported()) {
+    Among hair(isa, Table(), {0.3, 0.25});
+    const rod::Strand strand = rod::fixtures::HeavyStrand(2000, 8);
+    // From above the table down through it.
+    const math::Pose root{
+        {0, 0.01, 0},
+        Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitX(), Vector3d(1, -0.2, 0).normalized())};
+    hair.Add(strand, root, State(strand));
+    hair.Pack();
+    rod::Surroundings air;
+    air.air_drag_scale = 1;
+    double fastest = 0;
+    Vector3d tip = hair.Tip(0);
+    EXPECT_LT(tip.y(), -0.02);
+    for (int i = 0; i < 5 / kDt; ++i) {
+      ASSERT_EQ(hair.Step({{}, {}, kDt}, air, {}), 0U);
+      fastest = std::max(fastest, (hair.Tip(0) - tip).y() / kDt);
+      tip = hair.Tip(0);
+    }
+    EXPECT_LT(fastest, 1.2 * hair.settings.recovery_speed + 0.05);
+    EXPECT_GT(tip.y(), 0);
+    EXPECT_LT(tip.y(), 2e-3);
+  }
+}
+
+TEST(BatchContactTest, IsBoundedAmongHostileBodies) {
+  for (const simd::Isa isa : simd::Supported()) {
+    Random random(42);
+    for (int i = 0; i < 6; ++i) {
+      Among hair(isa, Ellipsoid({0.1, 0.12, 0.11}), {0.8, 0.5});
+      for (int lane = 0; lane < kLanes; ++lane) {
+        const rod::Strand strand = random.UnevenStrand(5, 0.2, 2);
+        hair.Add(strand, random.AnyRoot(), State(strand));
+      }
+      hair.Pack();
+      math::Pose head = random.Pose(), ball = random.Pose();
+      for (int step = 0; step < 60; ++step) {
+        const math::Pose next{head.p + random.Vector(0.3), random.Rotation()},
+            rolled{next.p + random.Vector(0.1), random.Rotation()};
+        const double dt = random.Uniform(0.001, 1.0 / 60);
+        ASSERT_EQ(hair.Step({head, next, dt}, {}, {ball, rolled, dt}), 0U) << i << " " << step;
+        head = next, ball = rolled;
+      }
+    }
+  }
+}
+
+TEST(BatchContactTest, LanesDoNotDependOnWhatOthersMeet) {
+  for (const simd::Isa isa : simd::Supported()) {
+    std::vector<std::vector<float>> results;
+    for (const bool others : {false, true}) {
+      Random random(9);
+      Among hair(isa, Ellipsoid({0.08, 0.1, 0.09}), {0.4, 0.25});
+      for (int lane = 0; lane < kLanes; ++lane) {
+        const rod::Strand strand = random.UnevenStrand(5, 0.2, 1);
+        const math::Pose near = random.AnyRoot();
+        math::Pose root{{0.03, 0.08, 0.02}, Eigen::Quaterniond::Identity()};
+        if (lane != 3) root = others ? near : math::Pose{{50, 0, 0}, near.q};
+        hair.Add(strand, root, State(strand));
+      }
+      hair.Pack();
+      const int lane =
+          static_cast<int>(std::find(hair.block().strands.begin(), hair.block().strands.end(), 3) -
+                           hair.block().strands.begin());
+      std::vector<float> bits;
+      for (int step = 0; step < 90; ++step) {
+        ASSERT_EQ(hair.Step({{}, {}, kDt}, {}, {}), 0U);
+        for (const Row<float>& row : hair.state()) bits.push_back(row.lane[lane]);
+      }
+      results.push_back(bits);
+    }
+    EXPECT_EQ(results[0], results[1]) << simd::Name(isa);
+  }
+}
+
+TEST(BatchContactTest, WarmStepsDoNotAllocate) {
+  Among hair(simd::Best(), Table(), {0.3, 0.25});
+  const Lying lying(8);
+  for (int lane = 0; lane < kLanes; ++lane) {
+    hair.Add(lying.strand, lying.root, State(lying.strand));
+  }
+  hair.Pack();
+  ASSERT_EQ(hair.Step({{}, {}, kDt}, {}, {}), 0U);
+  const rod::fixtures::AllocationCount count;
+  for (int i = 0; i < 20; ++i) ASSERT_EQ(hair.Step({{}, {}, kDt}, {}, {}), 0U);
+  EXPECT_EQ(count.count(), 0);
+}
+
+}  // namespace
+}  // namespace mane::contact
