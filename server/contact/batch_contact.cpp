@@ -158,7 +158,8 @@ uint32_t StepBlockAmong(const BatchContact& contact, const rod::Batch<float>& ba
   const MeetingNumbers numbers{
       static_cast<float>(rod::kTheta) * dt,        dt,
       static_cast<float>(settings.thickness),      static_cast<float>(settings.root_length),
-      static_cast<float>(settings.recovery_speed), static_cast<float>(settings.recovery_pull)};
+      static_cast<float>(settings.recovery_speed), static_cast<float>(settings.recovery_pull),
+      static_cast<float>(contact.surprise)};
   Row<float>* const pressed = memory.data();
   for (size_t g = 0; g < contact.groups.size(); ++g) {
     Row<float>* const seen = pressed + points + g * points * kSeenRows;

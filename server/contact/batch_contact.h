@@ -60,6 +60,7 @@ struct BatchContact {
   std::span<const BodyGroup* const> groups;  ///< At least one.
   std::span<const GroupMotion> motions;      ///< Of each group.
   BatchContactSettings settings;
+  double surprise = 0;  ///< How far strands may move besides what they did in the last step [m].
 };
 
 /// Advances one block by one step, as rod::StepBlock does, among bodies (contact.md, K1 to K8).

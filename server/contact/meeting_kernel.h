@@ -102,7 +102,8 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
         const V gap = Row(meeting, kDistance) - (numbers.thickness + around);
         const Vec n = Rows(meeting, kMeetNormal), surface = Rows(meeting, kSurface);
         const Vec last = Rows(point, rod::layout::kLastVelocity), over = last - surface;
-        const V towards = Dot(n, over), near = kReach * h * Abs(towards) + All(kNear);
+        const V towards = Dot(n, over),
+                near = kReach * h * Abs(towards) + (kNear + numbers.surprise);
         const auto meets = (arc >= numbers.root_length) & (gap < near);
         const V mass = meets ? share : V{};
         const V start = gap - h * towards, out = Dot(n, surface);
@@ -211,14 +212,14 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
   // Of a point's own mass: what resists penetration and what holds it sideways within a step (K2,
   // K3); less than in double precision, as float32 has six digits for them and the free directions.
   static constexpr float kPressing = 1e3F;
-  static constexpr float kHolding = 1e3F;
+  static constexpr float kHolding = 4e3F;
   static constexpr float kLiftDepth = 1e-3F;  // At which what lifts is at its most (K1) [m].
   static constexpr float kBulge = 3e-3F;      // Most that a strand keeps away for its curl [m].
   static constexpr float kCoilSoftness = 3;
   static constexpr float kPlaneReach = 1.2e-3F;  // K7 [m]
   static constexpr float kPlaneShare = 0.3F;
   static constexpr float kSlack = 2e-2F;  // Of a velocity that K2 asks for [m/s].
-  static constexpr float kNear = 2e-3F;   // Points are looked at from here on [m],
+  static constexpr float kNear = 4e-3F;   // Points are looked at from here on [m],
   static constexpr float kReach = 2;      // or from this many times what they move in h.
   static constexpr float kFar = 1e9F;
 
@@ -249,7 +250,7 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
                  const MeetingNumbers& numbers) {
     const Vec over = Rows(point, rod::layout::kLastVelocity) - Broadcast(group.velocity) -
                      Cross(Broadcast(group.spin), x);
-    return kReach * numbers.h * Speed(over) + kNear + 2 * kPlaneReach;
+    return kReach * numbers.h * Speed(over) + (kNear + 2 * kPlaneReach + numbers.surprise);
   }
   // mu by the cosine law (K4).
   static V Coefficient(const float* meeting, const float* point, const Vec& across, const V& slip) {

@@ -49,6 +49,7 @@ struct MeetingNumbers {
   float root_length;     ///< The first of a strand is not looked at [m].
   float recovery_speed;  ///< v_r of (K1) [m/s], and
   float recovery_pull;   ///< a_r [m/s^2].
+  float surprise;        ///< How far strands may move in dt besides what they did before [m].
 };
 
 /// A block of strands and its points.

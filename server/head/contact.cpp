@@ -25,12 +25,20 @@ math::Pose StartOf(const math::Pose& begin, const math::Pose& end, double durati
   return (end.p - begin.p).norm() > kFastestHead * duration ? end : begin;
 }
 
+Eigen::Vector3d VelocityOf(const rod::ClampMotion& head) {
+  return (head.end.p - head.begin.p) / head.dt;
+}
+Eigen::Vector3d SpinOf(const rod::ClampMotion& head) {
+  return math::RotationVector(head.end.q * head.begin.q.conjugate()) / head.dt;
+}
+
 }  // namespace
 
 void StartContact(const groom::Groom& groom, std::shared_ptr<const Bodies> bodies,
                   HeadState* state) {
   Contact& contact = state->contact;
-  contact = {std::move(bodies), {}, {}, {}};
+  contact = {};
+  contact.bodies = std::move(bodies);
   if (contact.bodies == nullptr) return;
   contact.moving = BodiesAtRest(*contact.bodies, state->pose);
   size_t first = 0;
@@ -68,10 +76,21 @@ void SetGroupMotions(const Contact& contact, std::span<const math::Pose> targets
   }
 }
 
+double Surprise(const Contact& contact, const rod::ClampMotion& head) {
+  constexpr double kArm = 0.3;  // [m]
+  return head.dt * ((VelocityOf(head) - contact.velocity).norm() +
+                    kArm * (SpinOf(head) - contact.spin).norm());
+}
+
+void Remember(const rod::ClampMotion& head, Contact* contact) {
+  contact->velocity = VelocityOf(head);
+  contact->spin = SpinOf(head);
+}
+
 uint32_t StepAmongBodies(int index, const rod::Batch<float>& batch,
                          const rod::Batch<float>::Block& block,
                          std::span<const rod::Row<float>, rod::layout::kDriveRows> drive,
-                         std::span<const contact::GroupMotion> motions,
+                         std::span<const contact::GroupMotion> motions, double surprise,
                          std::span<rod::Row<float>> state, Contact* contact) {
   thread_local contact::BatchContactScratch scratch;
   thread_local std::vector<const contact::BodyGroup*> groups;
@@ -79,7 +98,7 @@ uint32_t StepAmongBodies(int index, const rod::Batch<float>& batch,
   for (const Bodies::Group& group : contact->bodies->groups) groups.push_back(&group.bodies);
   const int per_element = contact->blocks[index].per_element;
   const size_t rows = contact::MemoryRows(block, per_element, groups.size());
-  const contact::BatchContact among{Kernels(), Meetings(), groups, motions, {}};
+  const contact::BatchContact among{Kernels(), Meetings(), groups, motions, {}, surprise};
   return contact::StepBlockAmong(among, batch, block, per_element, drive,
                                  MemoryOf(index, contact).first(rows), state, scratch);
 }

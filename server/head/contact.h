@@ -23,6 +23,8 @@ struct Contact {
   };
   std::shared_ptr<const Bodies> bodies;  ///< Null before StartContact: hair meets nothing.
   std::vector<math::Pose> moving;        ///< World poses of its moving bodies, (moving_count).
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< Of the head in the last step [m/s].
+  Eigen::Vector3d spin = Eigen::Vector3d::Zero();      ///< [rad/s]
   std::vector<Block> blocks;
   std::vector<rod::Row<float>> memory;
 };
@@ -44,13 +46,19 @@ void SetGroupMotions(const Contact& contact, std::span<const math::Pose> targets
                      const rod::ClampMotion& head, double begin, double end,
                      std::vector<contact::GroupMotion>* motions);
 
+/// How far hair may move in a step along `head` besides what it did in the last one, for what the
+/// clamp does [m].
+[[nodiscard]] double Surprise(const Contact& contact, const rod::ClampMotion& head);
+/// Remembers the last step.
+void Remember(const rod::ClampMotion& head, Contact* contact);
+
 /// One step of a block, of the groom's batch or of its level's; as rod::StepBlock.
 ///
 /// @param index  of the block in the groom's batch.
 [[nodiscard]] uint32_t StepAmongBodies(
     int index, const rod::Batch<float>& batch, const rod::Batch<float>::Block& block,
     std::span<const rod::Row<float>, rod::layout::kDriveRows> drive,
-    std::span<const contact::GroupMotion> motions, std::span<rod::Row<float>> state,
-    Contact* contact);
+    std::span<const contact::GroupMotion> motions, double surprise,
+    std::span<rod::Row<float>> state, Contact* contact);
 
 }  // namespace mane::head

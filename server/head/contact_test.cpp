@@ -1,12 +1,17 @@
-// A head's hair among bodies, as heads step it.
+// A head's hair among bodies, as heads step it:
+//   depth    no point of any hair is deeper than 1 mm in a head that stands, in gusts of wind, nor
+//            deeper than 3 mm in one that walks or in the shoulders that walk with it
+//   rest     hair that lies on a head lies still
+//   bits     are the same for any number of workers, and from a copy of the state
+//   freedom  bodies out of reach change nothing
 
 #include "head/contact.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <string>
 #include <vector>
@@ -58,59 +63,178 @@ std::vector<Vector3d> Points(const groom::Groom& groom, const HeadState& state,
   return points;
 }
 
-// How deep the deepest point beyond `root` [m] of its strand lies in the scalp.
-double Deepest(const groom::Groom& groom, const HeadState& state, double root,
-               exec::WorkerPool& pool) {
-  const auto& scalp = std::get<groom::Ellipsoid>(groom.scalp);
-  const contact::Ellipsoid shape(scalp.radii);
-  const std::vector<Vector3d> points = Points(groom, state, pool);
+// How deep the deepest point beyond `root` [m] of its strand lies in a body at `pose`.
+double Deepest(const groom::Groom& groom, const std::vector<Vector3d>& points,
+               const contact::BodyShape& shape, const math::Pose& pose, double root) {
   double deepest = -1e9;
   for (int g = 0; g < groom.guide_count(); ++g) {
     for (int k = 0; k < kPoints; ++k) {
       if (k * groom.guides[g].strand.TotalLength() / (kPoints - 1) < root) continue;
-      const Vector3d p = state.pose.Inverse() * points[g * kPoints + k] - scalp.center;
-      deepest = std::max(deepest, -shape.At(p).distance);
+      const Vector3d p = pose.Inverse() * points[g * kPoints + k];
+      deepest = std::max(deepest, -contact::At(shape, p).distance);
     }
   }
   return deepest;
 }
 
-TEST(ContactTest, Explore) {
-  exec::WorkerPool pool(1);
-  contact::FieldCache fields({}, size_t{1} << 30, 2);
-  for (const groom::HairType type :
-       {groom::HairType::kAsianSmooth, groom::HairType::kCaucasianWavy,
-        groom::HairType::kCaucasianCurly, groom::HairType::kAfricanFuzzy}) {
-    for (const double length : {0.12, 0.3}) {
-      const auto groom = Hair(type, length, 100);
-      HeadState state = AtRest(*groom, {});
-      StartContact(*groom, *MakeBodies(*groom, &fields, pool), &state);
-      std::printf("type %d length %.2f N %d wound %d\n", int(type), length,
-                  groom->guides[0].strand.elements(), groom->guides[0].wound.has_value());
-      std::vector<Vector3d> before = Points(*groom, state, pool);
-      for (int i = 0; i <= 480; ++i) {
-        const double t = i / 60.0;
-        math::Pose pose;
-        if (i > 240) pose.p = {0.05 * std::sin(6 * (t - 4)), 0, 0.02 * std::sin(9 * (t - 4))};
-        const StepReport report = Advance(*groom, {pose, 1 / 60.0, 1}, {}, &state, pool);
-        if (i % 60 == 0 || report.repaired_guides > 0) {
-          const std::vector<Vector3d> now = Points(*groom, state, pool);
-          double fastest = 0, tip = 0;
-          for (size_t p = 0; p < now.size(); ++p) {
-            fastest = std::max(fastest, 60 * (now[p] - before[p]).norm());
-            if (p % kPoints == kPoints - 1) tip = std::max(tip, 60 * (now[p] - before[p]).norm());
-          }
-          std::printf(
-              "  t %.2f deepest %.2f mm (beyond 2 cm: %.2f mm) fastest %.2f tip %.2f mm/s repaired "
-              "%d\n",
-              t, 1e3 * Deepest(*groom, state, 0.006, pool),
-              1e3 * Deepest(*groom, state, 0.02, pool), 1e3 * fastest, 1e3 * tip,
-              report.repaired_guides);
-        }
-        before = Points(*groom, state, pool);
-      }
-    }
+constexpr double kRoot = 0.006;  // Hair leaves the skin up to here [m].
+
+struct Sort {
+  groom::HairType type;
+  double length;
+};
+constexpr Sort kSorts[] = {
+    {groom::HairType::kAsianSmooth, 0.12},   {groom::HairType::kAsianSmooth, 0.3},
+    {groom::HairType::kCaucasianWavy, 0.12}, {groom::HairType::kCaucasianWavy, 0.3},
+    {groom::HairType::kCaucasianCurly, 0.2}, {groom::HairType::kAfricanFuzzy, 0.2}};
+
+std::string NameOf(const Sort& sort) {
+  return fmt::format("type {} of {} m", static_cast<int>(sort.type), sort.length);
+}
+
+class ContactTest : public testing::Test {
+ protected:
+  std::shared_ptr<const Bodies> BodiesOf(const groom::Groom& groom) {
+    return *MakeBodies(groom, &fields_, pool_);
   }
+  exec::WorkerPool pool_{2};
+  contact::FieldCache fields_{{}, size_t{1} << 30, 2};
+};
+
+TEST_F(ContactTest, NoHairEntersAStandingHead) {
+  for (const Sort& sort : kSorts) {
+    SCOPED_TRACE(NameOf(sort));
+    const auto groom = Hair(sort.type, sort.length, 60);
+    const auto bodies = BodiesOf(*groom);
+    HeadState state = AtRest(*groom, {});
+    StartContact(*groom, bodies, &state);
+    Environment air;
+    air.wind = {1, 0, 0.5};
+    air.wind_variation = {.gust_strength = 0.5, .gust_period = 2, .turbulence_speed = 0.5};
+    double deepest = -1;
+    for (int i = 0; i < 20 * 60; ++i) {
+      const StepReport report = Advance(*groom, {{}, 1 / 60.0, 1}, air, &state, pool_);
+      ASSERT_EQ(report.repaired_guides, 0);
+      deepest = std::max(deepest, Deepest(*groom, Points(*groom, state, pool_),
+                                          bodies->bodies[0].shape, bodies->bodies[0].pose, kRoot));
+    }
+    EXPECT_LT(deepest, 1e-3);
+    EXPECT_GT(deepest, -3e-3);  // Some of it lies there.
+  }
+}
+
+// How far somebody has come who sets out at t = 0 and walks at 1.4 m/s a second later.
+double Way(double t) { return 1.4 * (t < 1 ? 0.5 * t * t : t - 0.5); }
+// His head, which looks about, and his shoulders.
+math::Pose WalkingHead(double t) {
+  const double phase = 2 * M_PI * 1.9 * t;
+  return {{0.015 * std::sin(phase / 2), 0.02 * std::sin(phase), Way(t)},
+          math::FromRotationVector({0.03 * std::sin(phase), 0.3 * std::sin(1.3 * t), 0})};
+}
+math::Pose WalkingShoulders(double t) {
+  const double phase = 2 * M_PI * 1.9 * t;
+  return {{0, -0.13 + 0.02 * std::sin(phase), Way(t)},
+          math::FromRotationVector({0, 0.15 * std::sin(phase / 2), 0})};
+}
+
+TEST_F(ContactTest, HairIsNowhereDeepInABodyThatWalks) {
+  double nearest = -1;
+  for (const Sort& sort : kSorts) {
+    SCOPED_TRACE(NameOf(sort));
+    auto groom = std::make_shared<groom::Groom>(*Hair(sort.type, sort.length, 60));
+    groom::Body shoulders;
+    shoulders.name = "shoulders";
+    shoulders.shape = groom::Body::Capsule{{-0.15, 0, 0}, {0.15, 0, 0}, 0.06};
+    shoulders.moving = true;
+    shoulders.pose = WalkingShoulders(0);
+    groom->bodies.push_back(shoulders);
+    const auto bodies = BodiesOf(*groom);
+    HeadState state = AtRest(*groom, WalkingHead(0));
+    StartContact(*groom, bodies, &state);
+    double in_head = -1, in_shoulders = -1;
+    for (int i = 1; i <= 20 * 60; ++i) {
+      const math::Pose head = WalkingHead(i / 60.0), body = WalkingShoulders(i / 60.0);
+      const StepReport report = Advance(*groom, {head, 1 / 60.0, 1, {&body, 1}}, {}, &state, pool_);
+      ASSERT_EQ(report.repaired_guides, 0);
+      const std::vector<Vector3d> points = Points(*groom, state, pool_);
+      in_head = std::max(in_head, Deepest(*groom, points, bodies->bodies[0].shape,
+                                          head * bodies->bodies[0].pose, kRoot));
+      in_shoulders =
+          std::max(in_shoulders, Deepest(*groom, points, bodies->bodies[1].shape, body, kRoot));
+    }
+    EXPECT_LT(in_head, 3e-3);
+    EXPECT_LT(in_shoulders, 3e-3);
+    nearest = std::max(nearest, in_shoulders);
+  }
+  EXPECT_GT(nearest, -3e-3);  // Some of it lies on them.
+}
+
+TEST_F(ContactTest, HairThatLiesOnAHeadLiesStill) {
+  for (const Sort& sort : kSorts) {
+    SCOPED_TRACE(NameOf(sort));
+    const auto groom = Hair(sort.type, sort.length, 60);
+    HeadState state = AtRest(*groom, {});
+    StartContact(*groom, BodiesOf(*groom), &state);
+    for (int i = 0; i < 5 * 60; ++i) Advance(*groom, {{}, 1 / 60.0, 1}, {}, &state, pool_);
+    std::vector<Vector3d> before = Points(*groom, state, pool_);
+    double fastest = 0;
+    for (int i = 0; i < 60; ++i) {
+      Advance(*groom, {{}, 1 / 60.0, 1}, {}, &state, pool_);
+      const std::vector<Vector3d> now = Points(*groom, state, pool_);
+      for (int g = 0; g < groom->guide_count(); ++g) {
+        const int tip = g * kPoints + kPoints - 1;
+        fastest = std::max(fastest, 60 * (now[tip] - before[tip]).norm());
+      }
+      before = now;
+    }
+    EXPECT_LT(fastest, 1e-3);
+  }
+}
+
+TEST_F(ContactTest, BitsDoNotDependOnWorkers) {
+  const auto groom = Hair(groom::HairType::kCaucasianWavy, 0.2, 60);
+  const auto bodies = BodiesOf(*groom);
+  const auto run = [&](int workers) {
+    exec::WorkerPool pool(workers);
+    HeadState state = AtRest(*groom, {});
+    StartContact(*groom, bodies, &state);
+    for (int i = 1; i <= 60; ++i) {
+      Advance(*groom, {WalkingHead(i / 60.0), 1 / 60.0, 1}, {}, &state, pool);
+      if (i == 30) state = HeadState(state);  // A checkpoint.
+    }
+    return Coordinates(*groom, state);
+  };
+  const std::vector<double> one = run(1);
+  EXPECT_EQ(run(2), one);
+  EXPECT_EQ(run(5), one);
+  // Fields and rest among bodies, too.
+  exec::WorkerPool single(1);
+  contact::FieldCache fresh({}, size_t{1} << 30, 1);
+  const auto again = *MakeBodies(*groom, &fresh, single);
+  for (size_t row = 0; row < again->settled.size(); ++row) {
+    EXPECT_EQ(std::memcmp(&again->settled[row], &bodies->settled[row], sizeof(again->settled[row])),
+              0);
+  }
+}
+
+TEST_F(ContactTest, ABodyOutOfReachChangesNothingButRounding) {
+  auto groom = std::make_shared<groom::Groom>(*Hair(groom::HairType::kCaucasianWavy, 0.2, 30));
+  groom->scalp_friction.reset();
+  groom::Body far;
+  far.name = "far";
+  far.shape = groom::Body::Ellipsoid{{0.1, 0.1, 0.1}};
+  far.pose.p = {0, 5, 0};
+  groom->bodies.push_back(far);
+  HeadState with = AtRest(*groom, {}), without = with;
+  StartContact(*groom, BodiesOf(*groom), &with);
+  with.guides = without.guides;
+  for (int i = 1; i <= 30; ++i) {
+    const Movement movement{WalkingHead(i / 60.0), 1 / 60.0, 1};
+    Advance(*groom, movement, {}, &with, pool_);
+    Advance(*groom, movement, {}, &without, pool_);
+  }
+  const std::vector<Vector3d> a = Points(*groom, with, pool_), b = Points(*groom, without, pool_);
+  for (size_t i = 0; i < a.size(); ++i) EXPECT_LT((a[i] - b[i]).norm(), 1e-4);
 }
 
 }  // namespace

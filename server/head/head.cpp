@@ -21,6 +21,7 @@ struct StepDrive {
   double time;
   math::Pose head;
   std::vector<contact::GroupMotion> bodies;
+  double surprise;
 };
 
 // Blocks advanced in one piece by one worker: a piece takes longer than handing it over.
@@ -78,6 +79,8 @@ void SetDrives(const HeadState& from, const Movement& movement, int steps, int b
     Environment air = environment;
     air.wind = wind.Mean(drive.time);
     rod::SetDrive<float>(motion, air, 0, rod::layout::kLanes, drive.rows);
+    // Steps of one movement are alike.
+    drive.surprise = i == 0 ? Surprise(from.contact, motion) : 0;
     SetGroupMotions(from.contact, movement.bodies, motion, static_cast<double>(i) / steps,
                     static_cast<double>(i + 1) / steps, &drive.bodies);
   }
@@ -109,7 +112,8 @@ uint32_t StepAtLevel(const groom::Groom& groom, int i, const StepDrive& drive, c
   const rod::Batch<float>::Block& block = batch.blocks()[full ? i : 0];
   const Rows moving = full ? Rows(state->guides) : CoarseState(groom, i, &state->detail);
   if (state->contact.bodies != nullptr) {
-    return StepAmongBodies(i, batch, block, rows, drive.bodies, moving, &state->contact);
+    return StepAmongBodies(i, batch, block, rows, drive.bodies, drive.surprise, moving,
+                           &state->contact);
   }
   return rod::StepBlock<float>(Kernels(), batch, block, rows, moving, scratch);
 }
@@ -236,6 +240,9 @@ StepReport Advance(const groom::Groom& groom, const Movement& movement,
           FinishBlock(groom, i, movement, environment.detail_tolerance, state);
       }
     });
+  }
+  if (state->contact.bodies != nullptr) {
+    Remember({state->pose, movement.target, movement.duration}, &state->contact);
   }
   state->pose = movement.target;
   if (!movement.bodies.empty()) {
