@@ -1,0 +1,140 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "contact/segment_grid.h"
+#include "contact/wisp_points.h"
+#include "exec/worker_pool.h"
+
+namespace mane::contact {
+
+/// How the wisps around guides act on each other (contact.md, Hair against hair). What is given for
+/// straight and for curly hair is interpolated by the mean curliness of the two.
+struct WispSettings {
+  /// The first of a guide takes no part [m], >= 0: wisps overlap where they leave the skin.
+  double root_length = 0.02;
+  /// Part of the sum of radii by which wisps compress under the weight of what is pressed; [1e-3,
+  /// 1]. Smaller is stiffer.
+  double compression = 0.01;
+  double recovery_speed = 0.2;  ///< At which wisps that overlap part [m/s], >= 0.
+  /// In which the distance that two wisps keep turns from the one at which they were met into that
+  /// of the rest shape [s], > 0.
+  double relaxation_time = 1;
+  /// Part of the sum of radii within which wisps rub on and hold each other; [0, 1].
+  double touch_range = 0.2;
+  double sliding_rate_straight = 2;  ///< Viscous resistance to sliding, by mass [1/s], >= 0.
+  double sliding_rate_curly = 60;
+  double friction_straight = 0.1;  ///< Coulomb's mu, >= 0.
+  double friction_curly = 0.6;
+  /// Viscous resistance to parting, by mass [1/s], where both are tightly curled; else by the
+  /// product of their curliness; >= 0.
+  double cohesion_rate = 20;
+};
+
+/// Two wisps where they are closest, or will be within the step.
+struct WispPair {
+  int32_t guide[2];         ///< guide[0] < guide[1].
+  int32_t point[2];         ///< First point of the segment of each.
+  float fraction[2];        ///< On the segment, in [0, 1]: where they touch.
+  Eigen::Vector3f normal;   ///< Unit vector from the second to the first, on the side it came from.
+  float reference;          ///< Distance that they keep [m].
+  float gap;                ///< At the start of the step: distance along the normal less that [m].
+  Eigen::Vector3f impulse;  ///< On the first; the second receives the opposite [kg m/s].
+
+  float mass;            ///< Effective mass of the four points' shares [kg], (H6).
+  float normal_factor;   ///< How much heavier the strands make it, along the normal
+  float sliding_factor;  ///< and across, (H11).
+  float past_push[2];    ///< Of the last step and the one before, along the normal [kg m/s].
+
+  float target;     ///< Relative velocity along the normal that is asked for [m/s], (H7).
+  float spring;     ///< kappa of (H8).
+  float viscosity;  ///< kappa of (H9),
+  float friction;   ///< its mu,
+  float cohesion;   ///< and kappa of (H10); the last two for wisps that touch.
+  float leaving;    ///< Speed at which what was pushed may leave [m/s],
+  float rebound;    ///< and the most that holds it back [kg m/s], (H10).
+  float nearness;   ///< 1 where the wisps touch, 0 out of range.
+  float impact;     ///< Approach from which on the first pass tells the mass [m/s], (H11).
+  float fastest;    ///< Largest relative speed seen in this step [m/s].
+  Eigen::Vector3f last_velocity;  ///< Relative velocity in the last pass [m/s],
+  Eigen::Vector3f last_impulse;   ///< and the impulse that led to it [kg m/s].
+};
+
+/// Memory of the steps of one head; grows to what it has seen and is reused.
+struct WispScratch {
+  /// A contact as the search finds it.
+  struct Contact {
+    int32_t guide[2];
+    int32_t point[2];
+    float fraction[2];
+    float distance;            ///< The least within the step [m].
+    Eigen::Vector3f start;     ///< From the second to the first at the start of the step [m],
+    Eigen::Vector3f approach;  ///< and where they first touch, or come closest.
+    bool closest_of_first, closest_of_second;  ///< Of all segments of the other's guide.
+  };
+  /// What a piece of guides finds.
+  struct Piece {
+    std::vector<Contact> contacts;
+    std::vector<WispPair> pairs;
+  };
+  /// A pair at one of its segments.
+  struct End {
+    int32_t pair, side;
+  };
+
+  std::vector<SegmentBox> boxes;  ///< By first point.
+  SegmentGrid grid;
+  std::vector<Piece> pieces;
+  std::vector<WispPair> pairs;     ///< Of the last step.
+  std::vector<uint8_t> followed;   ///< Which of them have gone on.
+  std::vector<int32_t> first_end;  ///< By first point of a segment, and their number.
+  std::vector<End> ends;
+  std::vector<float> share;  ///< By how many pairs a point is pressed, >= 1, (H6).
+};
+
+/// Keeps track of where the wisps of a head touch, and finds the impulses between them.
+///
+/// A step is: Begin; then passes, each of which solves every strand with the impulses at hand; and
+/// Revise between two passes. Impulses of a pair are equal and opposite, so that they keep
+/// momentum. Every method's results are the same bits for any number of workers; nothing is
+/// allocated once warm. Any numbers may come in: points that are not finite, and segments longer
+/// than 0.25 m, take no part, and impulses are bounded (H12).
+///
+/// A value: a copy goes on as the original does. One thread at a time.
+class WispTracker {
+ public:
+  explicit WispTracker(const WispSettings& settings = {}) : settings_(settings) {}
+
+  /// Finds the pairs of a step of `dt` [s] and with what impulses its first pass starts.
+  /// Guides keep their numbers from step to step.
+  ///
+  /// @param impulses  set at every point.
+  void Begin(const WispPoints& points, double dt, WispScratch& scratch, exec::WorkerPool& pool,
+             const ImpulseSpans& impulses);
+
+  /// Finds the impulses of the next pass from the velocities that the last one gave.
+  ///
+  /// @param scratch  as Begin left it.
+  /// @param impulses  set at every point.
+  void Revise(const VelocitySpans& velocities, WispScratch& scratch, exec::WorkerPool& pool,
+              const ImpulseSpans& impulses);
+
+  /// Forgets all, for a head that is put to rest.
+  void Clear() { pairs_.clear(); }
+
+  /// By the first guide, the second, and the place on the first.
+  [[nodiscard]] std::span<const WispPair> pairs() const { return pairs_; }
+  [[nodiscard]] const WispSettings& settings() const { return settings_; }
+
+ private:
+  WispSettings settings_;
+  std::vector<WispPair> pairs_;
+  double last_dt_ = 0;  // Of the last step [s].
+  int passes_ = 0;      // Of this step.
+};
+
+}  // namespace mane::contact
