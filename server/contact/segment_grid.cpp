@@ -1,71 +1,85 @@
 #include "contact/segment_grid.h"
 
-#include <algorithm>
+#include <cmath>
 
 namespace mane::contact {
 namespace {
 
-constexpr float kSmallestCell = 1e-3f;  // [m]
-// A box that is much larger than most lies in at most this many cells along an axis, or one more.
-constexpr float kMostCells = 6;
+constexpr float kCell = 0.6f;       // Side of a cell, by the largest box in its grid.
+constexpr float kFirst = 1.25f;     // Largest box of the first grid, by the mean one.
+constexpr float kSmallest = 1e-3f;  // Box that is told from smaller ones [m].
 
-template <typename Visit>
-void ForCells(const Eigen::Array3i& low, const Eigen::Array3i& high, const Visit& visit) {
-  Eigen::Array3i cell;
-  for (cell[2] = low[2]; cell[2] <= high[2]; ++cell[2]) {
-    for (cell[1] = low[1]; cell[1] <= high[1]; ++cell[1]) {
-      for (cell[0] = low[0]; cell[0] <= high[0]; ++cell[0]) visit(cell);
-    }
-  }
-}
+float Size(const SegmentBox& box) { return (box.high - box.low).maxCoeff(); }
 
 }  // namespace
 
+void SegmentGrid::Level::Fill(std::span<const SegmentBox> all, std::span<const int8_t> level_of,
+                              int level) {
+  size_t count = 0;
+  largest = kSmallest;
+  for (size_t b = 0; b < all.size(); ++b) {
+    if (level_of[b] != level) continue;
+    ++count;
+    largest = std::max(largest, Size(all[b]));
+  }
+  boxes.resize(count);
+  index.resize(count);
+  if (count == 0) return;
+  inverse_cell = 1 / (kCell * largest);
+  for (bits = 2; bits < 8 && (size_t{1} << 3 * bits) < 2 * count; ++bits) {
+  }
+
+  // Counting sort; `start` holds ends until each box has moved its cell's one down.
+  const auto cell_of = [&](const SegmentBox& box) {
+    const Eigen::Array3i cell = (0.5f * (box.low + box.high) * inverse_cell).floor().cast<int>();
+    return Index(cell[0], cell[1], cell[2]);
+  };
+  start.assign((size_t{1} << 3 * bits) + 1, 0);
+  for (size_t b = 0; b < all.size(); ++b) {
+    if (level_of[b] == level) ++start[cell_of(all[b])];
+  }
+  int32_t sum = 0;
+  for (int32_t& k : start) k = sum += k;
+  for (size_t b = all.size(); b-- > 0;) {
+    if (level_of[b] != level) continue;
+    const auto k = static_cast<size_t>(--start[cell_of(all[b])]);
+    boxes[k] = all[b];
+    index[k] = static_cast<int32_t>(b);
+  }
+}
+
 void SegmentGrid::Build(std::span<const SegmentBox> boxes) {
   boxes_ = boxes;
-
-  // Cells as large as the mean box.
-  double sum = 0;
-  float largest = kSmallestCell;
-  size_t count = 0;
+  double sum = 0, count = 0;
   for (const SegmentBox& box : boxes) {
     if (box.guide < 0) continue;
-    const float size = (box.high - box.low).maxCoeff();
-    sum += size;
-    largest = std::max(largest, size);
+    sum += Size(box);
     ++count;
   }
-  const double mean = sum / static_cast<double>(std::max<size_t>(count, 1));
-  inverse_cell_ = 1 / std::max({static_cast<float>(mean), largest / kMostCells, kSmallestCell});
-
-  // About one bucket for every other entry.
-  int bits = 4;
-  while (bits < 24 && (size_t{1} << bits) < 2 * count) ++bits;
-  shift_ = 32 - bits;
-  start_.assign((size_t{1} << bits) + 1, 0);
-
-  // Counting sort by bucket; start_ holds ends until each entry has moved its bucket's one down.
-  for (const SegmentBox& box : boxes) {
-    if (box.guide < 0) continue;
-    const Cells cells = CellsOf(box);
-    ForCells(cells.low, cells.high,
-             [&](const Eigen::Array3i& cell) { ++start_[Bucket(Key(cell))]; });
+  const float first = std::max(kFirst * static_cast<float>(sum / std::max(count, 1.0)), kSmallest);
+  level_of_.resize(boxes.size());
+  for (size_t b = 0; b < boxes.size(); ++b) {
+    if (boxes[b].guide < 0) {
+      level_of_[b] = -1;
+      continue;
+    }
+    const int above = std::ilogb(Size(boxes[b]) / first) + 1;
+    level_of_[b] = static_cast<int8_t>(std::clamp<int>(above, 0, kLevels - 1));
   }
+  for (size_t k = 0; k < kLevels; ++k) levels_[k].Fill(boxes, level_of_, static_cast<int>(k));
+
+  // Cells to be looked at, and their boxes as if all cells that have any had equally many.
   tests_ = 0;
-  int32_t entries = 0;
-  for (int32_t& start : start_) {
-    tests_ += static_cast<double>(start) * start;
-    entries += start;
-    start = entries;
-  }
-  entries_.resize(static_cast<size_t>(entries));
-  for (size_t b = boxes.size(); b-- > 0;) {
-    if (boxes[b].guide < 0) continue;
-    const Cells cells = CellsOf(boxes[b]);
-    ForCells(cells.low, cells.high, [&](const Eigen::Array3i& cell) {
-      const uint32_t key = Key(cell);
-      entries_[static_cast<size_t>(--start_[Bucket(key)])] = {key, static_cast<int32_t>(b)};
-    });
+  for (const Level& level : levels_) {
+    if (level.boxes.empty()) continue;
+    double used = 0;
+    for (size_t c = 0; c + 1 < level.start.size(); ++c) used += level.start[c] < level.start[c + 1];
+    const double each = 1 + static_cast<double>(level.boxes.size()) / used;
+    for (size_t b = 0; b < boxes.size(); ++b) {
+      if (level_of_[b] < 0) continue;
+      const Cells cells = level.CellsAround(boxes[b]);
+      tests_ += each * (cells.high - cells.low + 1).cast<double>().prod();
+    }
   }
 }
 

@@ -2,6 +2,8 @@
 
 #include <Eigen/Core>
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -14,17 +16,22 @@ struct SegmentBox {
   int32_t guide = -1;        ///< -1: no segment.
 
   [[nodiscard]] bool Overlaps(const SegmentBox& other) const {
-    return (low <= other.high).all() && (other.low <= high).all();
+    bool apart = false;
+    for (int i = 0; i < 3; ++i) apart |= (low[i] > other.high[i]) | (other.low[i] > high[i]);
+    return !apart;
   }
 };
 
-/// Finds boxes of different guides that overlap, by cells of a hashed uniform grid.
+/// Finds boxes of different guides that overlap, by the cells that their middles lie in: uniform
+/// grids, one for boxes of about the mean size and others for those that are twice, four times ...
+/// as large. Space repeats itself after as many cells as a grid has, which costs tests far from the
+/// middle of the hair, and no answer.
 ///
 /// Build is linear in the boxes and serial; queries are const and thread-safe. Memory is kept: no
 /// allocation once it has seen as many. The same boxes give the same order of answers always.
 class SegmentGrid {
  public:
-  /// @param boxes  looked at until the next Build. Cells are about as large as a box.
+  /// @param boxes  by guide; looked at until the next Build.
   void Build(std::span<const SegmentBox> boxes);
 
   /// Calls visit(b) once for each box b that overlaps box a and belongs to a later guide.
@@ -32,62 +39,72 @@ class SegmentGrid {
   void ForOverlapping(int a, const Visit& visit) const {
     const SegmentBox& box = boxes_[static_cast<size_t>(a)];
     if (box.guide < 0) return;
-    const Cells cells = CellsOf(box);
-    Eigen::Array3i cell;
-    for (cell[2] = cells.low[2]; cell[2] <= cells.high[2]; ++cell[2]) {
-      for (cell[1] = cells.low[1]; cell[1] <= cells.high[1]; ++cell[1]) {
-        for (cell[0] = cells.low[0]; cell[0] <= cells.high[0]; ++cell[0]) {
-          VisitCell(a, cells.low, cell, visit);
+    for (const Level& level : levels_) {
+      if (level.boxes.empty()) continue;
+      const Cells cells = level.CellsAround(box);
+      const int mask = level.mask();
+      for (int z = cells.low[2]; z <= cells.high[2]; ++z) {
+        for (int y = cells.low[1]; y <= cells.high[1]; ++y) {
+          // A row of cells is a stretch of boxes, or two where it goes round.
+          const int low = cells.low[0] & mask, high = cells.high[0] & mask;
+          if (low <= high) {
+            VisitRow(level, level.Index(low, y, z), level.Index(high, y, z), box, visit);
+          } else {
+            VisitRow(level, level.Index(0, y, z), level.Index(high, y, z), box, visit);
+            VisitRow(level, level.Index(low, y, z), level.Index(mask, y, z), box, visit);
+          }
         }
       }
     }
   }
 
-  /// Tests that the queries of all boxes will make.
+  /// About as many tests as the queries of all boxes will make.
   [[nodiscard]] double tests() const { return tests_; }
 
  private:
+  static constexpr size_t kLevels = 6;
+
   struct Cells {
     Eigen::Array3i low, high;
   };
-  struct Entry {
-    uint32_t key;
-    int32_t box;
+  // A grid of 2^(3 bits) cells.
+  struct Level {
+    float inverse_cell = 1;
+    float largest = 0;  // Box in it [m].
+    int bits = 1;
+    std::vector<int32_t> start;     // By cell, and their number.
+    std::vector<SegmentBox> boxes;  // By cell, of a cell in their order,
+    std::vector<int32_t> index;     // and which of all they are.
+
+    [[nodiscard]] int mask() const { return (1 << bits) - 1; }
+
+    [[nodiscard]] size_t Index(int x, int y, int z) const {
+      return static_cast<size_t>(((z & mask()) << bits | (y & mask())) << bits | (x & mask()));
+    }
+    // Those with the middles of boxes that may overlap `box`.
+    [[nodiscard]] Cells CellsAround(const SegmentBox& box) const {
+      const Cells cells{((box.low - 0.5f * largest) * inverse_cell).floor().cast<int>(),
+                        ((box.high + 0.5f * largest) * inverse_cell).floor().cast<int>()};
+      return {cells.low, cells.high.min(cells.low + mask())};
+    }
+    void Fill(std::span<const SegmentBox> all, std::span<const int8_t> level_of, int level);
   };
 
-  [[nodiscard]] Cells CellsOf(const SegmentBox& box) const {
-    return {(box.low * inverse_cell_).floor().cast<int>(),
-            (box.high * inverse_cell_).floor().cast<int>()};
-  }
-  // Cells 1024 apart share a key, which costs tests and no answer.
-  static uint32_t Key(const Eigen::Array3i& cell) {
-    const auto part = [&](int i) { return static_cast<uint32_t>(cell[i]) & 1023u; };
-    return part(0) | part(1) << 10 | part(2) << 20;
-  }
-  [[nodiscard]] size_t Bucket(uint32_t key) const { return (key * 2654435761u) >> shift_; }
-
-  // Two boxes may share several cells; they meet in the lowest of them.
+  // Those of the cells [first, last].
   template <typename Visit>
-  void VisitCell(int a, const Eigen::Array3i& low, const Eigen::Array3i& cell,
-                 const Visit& visit) const {
-    const SegmentBox& box = boxes_[static_cast<size_t>(a)];
-    const uint32_t key = Key(cell);
-    const size_t bucket = Bucket(key);
-    for (int32_t k = start_[bucket]; k < start_[bucket + 1]; ++k) {
-      const Entry& entry = entries_[static_cast<size_t>(k)];
-      const SegmentBox& other = boxes_[static_cast<size_t>(entry.box)];
-      if (entry.key != key || other.guide <= box.guide || !box.Overlaps(other)) continue;
-      const Eigen::Array3i lowest = low.max((other.low * inverse_cell_).floor().cast<int>());
-      if ((lowest == cell).all()) visit(entry.box);
+  static void VisitRow(const Level& level, size_t first, size_t last, const SegmentBox& box,
+                       const Visit& visit) {
+    const auto end = static_cast<size_t>(level.start[last + 1]);
+    for (auto k = static_cast<size_t>(level.start[first]); k < end; ++k) {
+      const SegmentBox& other = level.boxes[k];
+      if (other.guide > box.guide && box.Overlaps(other)) visit(level.index[k]);
     }
   }
 
   std::span<const SegmentBox> boxes_;
-  float inverse_cell_ = 1;
-  int shift_ = 31;
+  std::array<Level, kLevels> levels_;
+  std::vector<int8_t> level_of_;  // By box; -1 for none.
   double tests_ = 0;
-  std::vector<int32_t> start_;  // By bucket, and their number.
-  std::vector<Entry> entries_;  // Of a bucket in the order of boxes.
 };
 
 }  // namespace mane::contact

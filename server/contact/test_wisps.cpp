@@ -45,7 +45,7 @@ WispPoints Hair::View() const {
 Hair HeadOfHair(int guides, uint64_t seed) {
   constexpr double kScalp = 0.09;  // Radius [m].
   constexpr int kPoints = 30;
-  constexpr double kStep = 0.008;
+  constexpr double kStep = 0.012;
   math::RandomStream random(seed, 0);
   const double area = 2 * std::numbers::pi * kScalp * kScalp / guides;
   const auto wisp = static_cast<float>(1.2 * std::sqrt(area / std::numbers::pi));
@@ -60,7 +60,7 @@ Hair HeadOfHair(int guides, uint64_t seed) {
     hair.AddGuide(wisp, static_cast<float>(random.Uniform()));
     for (int k = 0; k < kPoints; ++k) {
       hair.AddPoint(x, Vector3d::Zero(), 2e-6 * 1500 / guides);
-      tangent = (tangent + Vector3d(0, -0.12, 0) + 0.01 * off).normalized();
+      tangent = (tangent + Vector3d(0, -0.18, 0) + 0.01 * off).normalized();
       x += kStep * tangent;
     }
   }

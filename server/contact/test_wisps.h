@@ -23,7 +23,7 @@ struct Hair {
   [[nodiscard]] size_t size() const { return mass.size(); }
 };
 
-/// A head of `guides` guides of 30 points, 24 cm long, that come out of a ball of 9 cm and hang
+/// A head of `guides` guides of 30 points, 35 cm long, that come out of a ball of 9 cm and hang
 /// down, each a little off its neighbours; wisps cover the scalp and overlap. No velocity.
 [[nodiscard]] Hair HeadOfHair(int guides, uint64_t seed);
 

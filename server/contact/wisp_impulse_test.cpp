@@ -40,6 +40,11 @@ TEST(WispImpulseTest, Explore) {
 #include <chrono>
 namespace mane::contact {
 namespace {
+double Cpu() {
+  timespec t;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
+}
 TEST(WispImpulseTest, Scale) {
   for (int guides : {50, 100, 500, 1000, 5000}) {
     fixtures::Hair hair = fixtures::HeadOfHair(guides, 1);
@@ -53,16 +58,24 @@ TEST(WispImpulseTest, Scale) {
       double begin = 1e9, revise = 1e9, grid = 1e9;
       size_t segs = hair.size();
       for (int i = 0; i < 4; ++i) {
-        auto t0 = std::chrono::steady_clock::now();
+        auto t0 = Cpu();
         tracker.Begin(hair.View(), 1.0 / 60, scratch, pool, p.View());
-        auto t1 = std::chrono::steady_clock::now();
+        auto t1 = Cpu();
         tracker.Revise({hair.ux, hair.uy, hair.uz}, scratch, pool, p.View());
-        auto t2 = std::chrono::steady_clock::now();
+        auto t2 = Cpu();
         scratch.grid.Build(scratch.boxes);
-        auto t3 = std::chrono::steady_clock::now();
-        begin = std::min(begin, std::chrono::duration<double>(t1 - t0).count());
-        revise = std::min(revise, std::chrono::duration<double>(t2 - t1).count());
-        grid = std::min(grid, std::chrono::duration<double>(t3 - t2).count());
+        auto t3 = Cpu();
+        begin = std::min(begin, t1 - t0);
+        revise = std::min(revise, t2 - t1);
+        grid = std::min(grid, t3 - t2);
+      }
+      size_t overlaps = 0;
+      {
+        auto t0 = Cpu();
+        for (int b = 0; b < (int)segs; ++b)
+          scratch.grid.ForOverlapping(b, [&](int) { ++overlaps; });
+        std::printf("overlaps %.1f/seg in %.0f ns/seg ", (double)overlaps / (double)segs,
+                    (Cpu() - t0) * 1e9 / (double)segs);
       }
       size_t contacts = 0;
       for (auto& c : scratch.pieces) contacts += c.contacts.size();

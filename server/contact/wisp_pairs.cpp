@@ -56,7 +56,7 @@ void Continue(const WispPair& old, bool first, double steps, WispPair& pair) {
 // The pairs of one piece of guides: found ones, then those that were crossed and lost sight of.
 void FindPairs(const WispPoints& points, const WispStep& step, const WispSettings& settings,
                double steps, int begin, int end, WispScratch& scratch, WispScratch::Piece& piece) {
-  FindContacts(points, step, scratch, begin, end, piece.contacts);
+  FindContacts(points, step, scratch, begin, end, piece);
   piece.pairs.clear();
   for (const Contact& contact : piece.contacts) {
     const WispPair* nearest = nullptr;

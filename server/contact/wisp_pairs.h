@@ -66,7 +66,20 @@ struct WispPair {
 
 /// Memory of the steps of one head; grows to what it has seen and is reused.
 struct WispScratch {
-  /// A contact as the search finds it.
+  /// A segment as the search first looks at it: its middle.
+  struct Middle {
+    Eigen::Vector3f start;     ///< At the start of the step [m].
+    Eigen::Vector3f velocity;  ///< [m/s]
+    float reach;               ///< Two segments farther apart than theirs do not meet [m].
+  };
+  /// Two segments that may meet.
+  struct Candidate {
+    int32_t second, first;   ///< First point of each.
+    int32_t guide;           ///< The second's.
+    float distance_2;        ///< Least of their middles within the step, squared [m^2].
+    bool closest_of_second;  ///< Of all segments of the first's guide.
+  };
+  /// Where they touch.
   struct Contact {
     int32_t guide[2];
     int32_t point[2];
@@ -74,10 +87,11 @@ struct WispScratch {
     float distance;            ///< The least within the step [m].
     Eigen::Vector3f start;     ///< From the second to the first at the start of the step [m],
     Eigen::Vector3f approach;  ///< and where they first touch, or come closest.
-    bool closest_of_first, closest_of_second;  ///< Of all segments of the other's guide.
   };
   /// What a piece of guides finds.
   struct Piece {
+    std::vector<Candidate> candidates;  ///< Of one guide,
+    std::vector<int32_t> nearest;       ///< and by its segments, the nearest of another guide.
     std::vector<Contact> contacts;
     std::vector<WispPair> pairs;
   };
@@ -87,6 +101,7 @@ struct WispScratch {
   };
 
   std::vector<SegmentBox> boxes;  ///< By first point.
+  std::vector<Middle> middles;    ///< Likewise.
   SegmentGrid grid;
   std::vector<Piece> pieces;
   std::vector<WispPair> pairs;     ///< Of the last step.

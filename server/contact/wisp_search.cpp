@@ -11,7 +11,9 @@ namespace {
 
 using Eigen::Array3f;
 using Eigen::Vector3f;
+using Candidate = WispScratch::Candidate;
 using Contact = WispScratch::Contact;
+using Middle = WispScratch::Middle;
 
 constexpr float kLongestSegment = 0.25f;  // [m]
 constexpr float kLargestRadius = 0.1f;    // [m]
@@ -46,16 +48,17 @@ SegmentBox Swept(const Vector3f& x, const Vector3f& drift, const WispStep& step,
   return {begin.min(end), begin.max(end), 0};
 }
 
-// Boxes of one guide's segments beyond its root.
+// Boxes and middles of one guide's segments beyond its root.
 void BoxGuide(const WispPoints& points, int guide, const WispStep& step, float root_length,
-              const Vector3f& mean, float longest_sweep, std::vector<SegmentBox>& boxes) {
+              const Vector3f& mean, float longest_sweep, WispScratch& scratch) {
   const auto g = static_cast<size_t>(guide);
   const float radius = std::min(points.radius[g], kLargestRadius);
   const auto begin = static_cast<size_t>(points.first[g]);
   const auto end = static_cast<size_t>(points.first[g + 1]);
   float arc = 0;
   for (size_t p = begin; p < end; ++p) {
-    boxes[p].guide = -1;
+    SegmentBox& box = scratch.boxes[p];
+    box.guide = -1;
     if (p + 1 == end || !(radius > 0)) continue;
     const Vector3f x = points.Position(p), y = points.Position(p + 1);
     const float length = (y - x).norm();
@@ -65,11 +68,21 @@ void BoxGuide(const WispPoints& points, int guide, const WispStep& step, float r
         !Usable(points, p + 1)) {
       continue;
     }
-    const SegmentBox from = Swept(x, points.velocity[p] - mean, step, longest_sweep);
-    const SegmentBox to = Swept(y, points.velocity[p + 1] - mean, step, longest_sweep);
+    const Vector3f u = points.velocity[p], v = points.velocity[p + 1];
+    const SegmentBox from = Swept(x, u - mean, step, longest_sweep);
+    const SegmentBox to = Swept(y, v - mean, step, longest_sweep);
     const float reach = (1 + kMargin) * radius;
-    boxes[p] = {from.low.min(to.low) - reach, from.high.max(to.high) + reach, guide};
+    box = {from.low.min(to.low) - reach, from.high.max(to.high) + reach, guide};
+    const Vector3f velocity = 0.5f * (u + v);
+    scratch.middles[p] = {0.5f * (x + y) - step.h * velocity, velocity, reach + 0.5f * length};
   }
+}
+
+// Least squared length of d + time w within [0, dt].
+float LeastDistance2(const Vector3f& d, const Vector3f& w, float dt) {
+  const float dw = d.dot(w), ww = w.squaredNorm();
+  const float time = std::clamp(-dw / std::max(ww, 1e-20f), 0.0f, dt);
+  return (d + time * w).squaredNorm();
 }
 
 // First time in [0, dt] at which d + time w is as short as `reach`, or shortest.
@@ -81,18 +94,77 @@ float TouchTime(const Vector3f& d, const Vector3f& w, float reach, float dt) {
   return std::min(time, dt);
 }
 
-// Marks, of contacts sorted so that one segment's with one guide are neighbours, the nearest.
-template <typename Same>
-void MarkNearest(std::vector<Contact>& contacts, size_t begin, const Same& same,
-                 bool Contact::*mark) {
-  for (size_t i = begin; i < contacts.size();) {
-    size_t nearest = i, next = i + 1;
-    for (; next < contacts.size() && same(contacts[i], contacts[next]); ++next) {
-      if (contacts[next].distance < contacts[nearest].distance) nearest = next;
-    }
-    contacts[nearest].*mark = true;
-    i = next;
+// Candidates of one guide with later ones, by the later one's segment and then by this one's.
+void FindCandidates(const WispPoints& points, const WispStep& step, const WispScratch& scratch,
+                    int32_t g, std::vector<Candidate>& candidates) {
+  candidates.clear();
+  const int32_t end = points.first[static_cast<size_t>(g) + 1];
+  for (int32_t p = points.first[static_cast<size_t>(g)]; p < end; ++p) {
+    const Middle mine = scratch.middles[static_cast<size_t>(p)];
+    scratch.grid.ForOverlapping(p, [&](int32_t q) {
+      const Middle& other = scratch.middles[static_cast<size_t>(q)];
+      const float reach = mine.reach + other.reach;
+      const float distance_2 =
+          LeastDistance2(mine.start - other.start, mine.velocity - other.velocity, step.dt);
+      if (distance_2 > reach * reach) return;
+      candidates.push_back({q, p, scratch.boxes[static_cast<size_t>(q)].guide, distance_2, false});
+    });
   }
+  std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+    return a.second != b.second ? a.second < b.second : a.first < b.first;
+  });
+}
+
+// Calls visit(candidate) for those whose segments are each the nearest of the other's guide, the
+// first of equally near ones.
+template <typename Visit>
+void ForMutual(int32_t first_point, WispScratch::Piece& piece, const Visit& visit) {
+  auto& candidates = piece.candidates;
+  for (size_t i = 0, next = 0; i < candidates.size(); i = next) {
+    size_t nearest = i;
+    for (next = i + 1; next < candidates.size() && candidates[next].second == candidates[i].second;
+         ++next) {
+      if (candidates[next].distance_2 < candidates[nearest].distance_2) nearest = next;
+    }
+    candidates[nearest].closest_of_second = true;
+  }
+  for (size_t i = 0, next = 0; i < candidates.size(); i = next) {
+    std::fill(piece.nearest.begin(), piece.nearest.end(), -1);
+    for (next = i; next < candidates.size() && candidates[next].guide == candidates[i].guide;
+         ++next) {
+      int32_t& nearest = piece.nearest[static_cast<size_t>(candidates[next].first - first_point)];
+      if (nearest < 0 ||
+          candidates[next].distance_2 < candidates[static_cast<size_t>(nearest)].distance_2) {
+        nearest = static_cast<int32_t>(next);
+      }
+    }
+    for (const int32_t k : piece.nearest) {
+      if (k >= 0 && candidates[static_cast<size_t>(k)].closest_of_second) {
+        visit(candidates[static_cast<size_t>(k)]);
+      }
+    }
+  }
+}
+
+// The contact of a candidate or, where segments touch at an end, of the next ones along the guides
+// as long as those are closer.
+Contact Walk(const WispPoints& points, const WispStep& step, const WispScratch& scratch,
+             const int32_t guide[2], const int32_t point[2]) {
+  Contact contact = Approach(points, step, guide, point);
+  for (int tries = 0; tries < 3; ++tries) {
+    int32_t next[2];
+    for (int k = 0; k < 2; ++k) {
+      const float s = contact.fraction[k];
+      const int32_t p = contact.point[k] + (s >= 1 ? 1 : 0) - (s <= 0 ? 1 : 0);
+      const bool usable = p >= 0 && scratch.boxes[static_cast<size_t>(p)].guide == guide[k];
+      next[k] = usable ? p : contact.point[k];
+    }
+    if (next[0] == contact.point[0] && next[1] == contact.point[1]) break;
+    const Contact closer = Approach(points, step, guide, next);
+    if (!(closer.distance < contact.distance)) break;
+    contact = closer;
+  }
+  return contact;
 }
 
 }  // namespace
@@ -130,15 +202,12 @@ Contact Approach(const WispPoints& points, const WispStep& step, const int32_t g
     w = difference(velocity, at);
     time = TouchTime(d, w, reach, step.dt);
   }
-  const float nearest = std::clamp(-d.dot(w) / std::max(w.squaredNorm(), 1e-20f), 0.0f, step.dt);
   return {{guide[0], guide[1]},
           {point[0], point[1]},
           {at.s, at.t},
-          (d + nearest * w).norm(),
+          std::sqrt(LeastDistance2(d, w, step.dt)),
           d,
-          d + time * w,
-          false,
-          false};
+          d + time * w};
 }
 
 void BuildGrid(const WispPoints& points, const WispStep& step, const WispSettings& settings,
@@ -146,11 +215,12 @@ void BuildGrid(const WispPoints& points, const WispStep& step, const WispSetting
   const Vector3f mean = MeanVelocity(points);
   const auto root_length = static_cast<float>(settings.root_length);
   scratch.boxes.resize(points.mass.size());
+  scratch.middles.resize(points.mass.size());
   float sweep = kLongestSweep;
   for (int tries = 0; tries < 6; ++tries, sweep *= 0.5f) {
     pool.ParallelFor(points.guides(), 16, [&](int begin, int end) {
       for (int g = begin; g < end; ++g) {
-        BoxGuide(points, g, step, root_length, mean, sweep, scratch.boxes);
+        BoxGuide(points, g, step, root_length, mean, sweep, scratch);
       }
     });
     scratch.grid.Build(scratch.boxes);
@@ -159,46 +229,34 @@ void BuildGrid(const WispPoints& points, const WispStep& step, const WispSetting
 }
 
 void FindContacts(const WispPoints& points, const WispStep& step, const WispScratch& scratch,
-                  int begin, int end, std::vector<Contact>& contacts) {
+                  int begin, int end, WispScratch::Piece& piece) {
+  auto& contacts = piece.contacts;
   contacts.clear();
   for (int32_t g = begin; g < end; ++g) {
+    FindCandidates(points, step, scratch, g, piece.candidates);
     const size_t of_guide = contacts.size();
-    const int32_t last = points.first[static_cast<size_t>(g) + 1];
-    for (int32_t p = points.first[static_cast<size_t>(g)]; p < last; ++p) {
-      scratch.grid.ForOverlapping(p, [&](int32_t q) {
-        const int32_t guide[2] = {g, scratch.boxes[static_cast<size_t>(q)].guide};
-        const int32_t point[2] = {p, q};
-        const Contact contact = Approach(points, step, guide, point);
-        if (contact.distance <= (1 + kMargin) * SumOfRadii(points, guide)) {
-          contacts.push_back(contact);
-        }
-      });
-    }
+    const int32_t first_point = points.first[static_cast<size_t>(g)];
+    piece.nearest.resize(
+        static_cast<size_t>(points.first[static_cast<size_t>(g) + 1] - first_point));
+    ForMutual(first_point, piece, [&](const Candidate& candidate) {
+      const int32_t guide[2] = {g, candidate.guide};
+      const int32_t point[2] = {candidate.first, candidate.second};
+      const Contact contact = Walk(points, step, scratch, guide, point);
+      if (contact.distance <= (1 + kMargin) * SumOfRadii(points, guide)) {
+        contacts.push_back(contact);
+      }
+    });
 
-    // Those of a segment of the later guides, then those of a segment of this one.
+    // Some walk to the same place.
+    const auto key = [](const Contact& contact) {
+      return std::tie(contact.guide[1], contact.point[0], contact.point[1]);
+    };
     const auto first = contacts.begin() + static_cast<ptrdiff_t>(of_guide);
-    std::sort(first, contacts.end(), [](const Contact& a, const Contact& b) {
-      return std::tie(a.point[1], a.point[0]) < std::tie(b.point[1], b.point[0]);
-    });
-    MarkNearest(
-        contacts, of_guide,
-        [](const Contact& a, const Contact& b) { return a.point[1] == b.point[1]; },
-        &Contact::closest_of_second);
-    std::sort(first, contacts.end(), [](const Contact& a, const Contact& b) {
-      return std::tie(a.guide[1], a.point[0], a.point[1]) <
-             std::tie(b.guide[1], b.point[0], b.point[1]);
-    });
-    MarkNearest(
-        contacts, of_guide,
-        [](const Contact& a, const Contact& b) {
-          return a.guide[1] == b.guide[1] && a.point[0] == b.point[0];
-        },
-        &Contact::closest_of_first);
+    std::sort(first, contacts.end(),
+              [&](const Contact& a, const Contact& b) { return key(a) < key(b); });
     contacts.erase(
-        std::remove_if(contacts.begin() + static_cast<ptrdiff_t>(of_guide), contacts.end(),
-                       [](const Contact& contact) {
-                         return !contact.closest_of_first || !contact.closest_of_second;
-                       }),
+        std::unique(first, contacts.end(),
+                    [&](const Contact& a, const Contact& b) { return key(a) == key(b); }),
         contacts.end());
   }
 }
