@@ -9,6 +9,11 @@
 
 namespace mane::contact {
 
+/// Whether no coordinate is larger than `limit`, or no number.
+[[nodiscard]] inline bool Within(const Eigen::Vector3f& v, float limit) {
+  return (v.array().abs() <= limit).all();
+}
+
 /// Velocities of many points as three lists of equal length [m/s].
 struct VelocitySpans {
   std::span<const float> x, y, z;

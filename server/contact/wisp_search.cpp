@@ -23,8 +23,7 @@ constexpr double kMostTests = 500;      // A segment, at which sweeps are cut.
 constexpr double kFew = 1000;           // Segments that may always be tested.
 
 bool Usable(const WispPoints& points, size_t p) {
-  const float reach = points.Position(p).lpNorm<Eigen::Infinity>();
-  return reach <= kFarthest && points.velocity[p].lpNorm<Eigen::Infinity>() <= 1e6f &&
+  return Within(points.Position(p), kFarthest) && Within(points.velocity[p], 1e6f) &&
          points.mass[p] >= 1e-12f && points.mass[p] <= 1e6f;
 }
 
