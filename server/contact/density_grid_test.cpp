@@ -13,7 +13,6 @@
 
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <limits>
 
 #include "contact/test_wisps.h"
@@ -25,17 +24,12 @@ namespace mane::contact {
 namespace {
 
 using Eigen::Vector3d;
+using fixtures::CpuTime;
 using fixtures::Hair;
 using fixtures::HeadOfHair;
 using fixtures::Impulses;
 
 constexpr double kDt = 1.0 / 60;
-
-double CpuTime() {
-  timespec time;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
 
 class DensityGridTest : public testing::Test {
  protected:

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <numbers>
 
 #include "contact/segment_distance.h"
@@ -74,6 +75,12 @@ void Shake(double speed, uint64_t seed, Hair* hair) {
   }
 }
 
+double CpuTime() {
+  timespec time;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
 Vector3d Impulses::Sum() const {
   Vector3d sum = Vector3d::Zero();
   for (size_t p = 0; p < x.size(); ++p) sum += At(p);
@@ -87,8 +94,8 @@ double Impulses::SumOfNorms() const {
 }
 
 void Rods::Add(const Vector3d& a, const Vector3d& b, int points, double mass, float radius,
-               float curly, const Vector3d& velocity, bool rigid) {
-  Rod rod{{}, {}, {}, mass / points, radius, curly, rigid};
+               float curly, const Vector3d& velocity, bool rigid, const Vector3d& weight) {
+  Rod rod{{}, {}, {}, mass / points, radius, curly, rigid, weight};
   for (int k = 0; k < points; ++k) {
     rod.x.emplace_back(a + (b - a) * k / (points - 1));
     rod.u.push_back(velocity);
@@ -151,14 +158,14 @@ void Rods::Step(double dt) {
     free.push_back(rod.momentary);
     for (size_t k = 0; k < rod.x.size(); ++k) {
       hair.AddPoint(linear.back()[k], rod.u[k], rod.m);
-      free.back()[k] += (extrapolates ? rod::kTheta : 1) * dt * gravity;
+      free.back()[k] += (extrapolates ? rod::kTheta : 1) * dt * rod.weight;
     }
   }
 
   WispTracker& tracker = tracker_;
   if (tracker.pairs().empty()) tracker = WispTracker(settings);
   Impulses impulses(hair.size());
-  tracker.Begin(hair.View(), dt, scratch_, pool_, impulses.View());
+  tracker.Begin(hair.View(), dt, scratch_, *pool_, impulses.View());
   std::vector<std::vector<Vector3d>> u(rods_.size());
   for (int pass = 0; pass < passes; ++pass) {
     Hair moved = hair;
@@ -174,7 +181,7 @@ void Rods::Step(double dt) {
       }
     }
     if (pass + 1 < passes) {
-      tracker.Revise({moved.ux, moved.uy, moved.uz}, scratch_, pool_, impulses.View());
+      tracker.Revise({moved.ux, moved.uy, moved.uz}, scratch_, *pool_, impulses.View());
     }
   }
 
@@ -221,14 +228,6 @@ Vector3d Rods::Momentum() const {
   return sum;
 }
 
-Vector3d Rods::AngularMomentum() const {
-  Vector3d sum = Vector3d::Zero();
-  for (const Rod& rod : rods_) {
-    for (size_t k = 0; k < rod.x.size(); ++k) sum += rod.m * rod.x[k].cross(rod.momentary[k]);
-  }
-  return sum;
-}
-
 Vector3d Rods::Centre(size_t rod) const {
   Vector3d sum = Vector3d::Zero();
   for (const Vector3d& x : rods_[rod].x) sum += x;
@@ -241,9 +240,8 @@ Vector3d Rods::MeanVelocity(size_t rod) const {
   return sum / static_cast<double>(rods_[rod].u.size());
 }
 
-void Rods::SetVelocity(size_t rod, const Vector3d& velocity) {
-  for (Vector3d& u : rods_[rod].u) u = velocity;
-  for (Vector3d& u : rods_[rod].momentary) u = velocity;
+void Rods::Shift(size_t rod, const Vector3d& by) {
+  for (Vector3d& x : rods_[rod].x) x += by;
 }
 
 }  // namespace mane::contact::fixtures

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "contact/wisp_pairs.h"
@@ -30,6 +31,9 @@ struct Hair {
 /// Adds velocities of random direction, each coordinate within +-`speed` [m/s].
 void Shake(double speed, uint64_t seed, Hair* hair);
 
+/// This thread's processor time [s].
+[[nodiscard]] double CpuTime();
+
 /// Impulses that own their lists.
 struct Impulses {
   std::vector<float> x, y, z;
@@ -46,23 +50,22 @@ struct Impulses {
 class Rods {
  public:
   WispSettings settings;
-  Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  ///< [m/s^2]
   int passes = 3;
   bool extrapolates = false;  ///< As the rods' S4 does: velocities pass what the step solved for.
 
-  /// From `a` to `b`, as `points` points of equal share of `mass`.
+  /// From `a` to `b`, as `points` points of equal share of `mass`; `weight` [m/s^2] pulls on it.
   void Add(const Eigen::Vector3d& a, const Eigen::Vector3d& b, int points, double mass,
-           float radius, float curly, const Eigen::Vector3d& velocity, bool rigid);
+           float radius, float curly, const Eigen::Vector3d& velocity, bool rigid,
+           const Eigen::Vector3d& weight = Eigen::Vector3d::Zero());
   void Step(double dt);
 
   /// Least distance of the middle lines of two rods [m].
   [[nodiscard]] double Distance(size_t a, size_t b) const;
   [[nodiscard]] double KineticEnergy() const;
   [[nodiscard]] Eigen::Vector3d Momentum() const;
-  [[nodiscard]] Eigen::Vector3d AngularMomentum() const;
   [[nodiscard]] Eigen::Vector3d Centre(size_t rod) const;
   [[nodiscard]] Eigen::Vector3d MeanVelocity(size_t rod) const;
-  void SetVelocity(size_t rod, const Eigen::Vector3d& velocity);
+  void Shift(size_t rod, const Eigen::Vector3d& by);
   [[nodiscard]] const WispTracker& tracker() const { return tracker_; }
   [[nodiscard]] double least_distance() const { return least_distance_; }
 
@@ -75,6 +78,7 @@ class Rods {
     double m;                                      // Of a point [kg].
     float radius, curly;
     bool rigid;
+    Eigen::Vector3d weight;
   };
 
   // A rod's velocities with impulses `p` from those without.
@@ -86,7 +90,7 @@ class Rods {
   std::vector<Rod> rods_;
   WispTracker tracker_;
   WispScratch scratch_;
-  exec::WorkerPool pool_{1};
+  std::unique_ptr<exec::WorkerPool> pool_ = std::make_unique<exec::WorkerPool>(1);
   bool watch_ = false;
   double least_distance_ = 1e9;
 };
