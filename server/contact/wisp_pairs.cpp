@@ -80,7 +80,7 @@ void FindPairs(const WispPoints& points, const WispStep& step, const WispSetting
        old != scratch.pairs.end() && old->guide[0] < end; ++old) {
     const auto usable = [&](int k) {
       const auto p = static_cast<size_t>(old->point[k]);
-      return p < scratch.boxes.size() && scratch.boxes[p].guide == old->guide[k];
+      return p < scratch.guide_of.size() && scratch.guide_of[p] == old->guide[k];
     };
     if (scratch.followed[static_cast<size_t>(old - scratch.pairs.begin())] || !usable(0) ||
         !usable(1)) {

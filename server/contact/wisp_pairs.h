@@ -66,18 +66,18 @@ struct WispPair {
 
 /// Memory of the steps of one head; grows to what it has seen and is reused.
 struct WispScratch {
-  /// A segment as the search first looks at it: its middle.
+  /// A link of segments as the search first looks at it: its middle.
   struct Middle {
     Eigen::Vector3f start;     ///< At the start of the step [m].
     Eigen::Vector3f velocity;  ///< [m/s]
-    float reach;               ///< Two segments farther apart than theirs do not meet [m].
+    float reach;               ///< Two links farther apart than theirs do not meet [m].
   };
-  /// Two segments that may meet.
+  /// Two links that may meet.
   struct Candidate {
     int32_t second, first;   ///< First point of each.
     int32_t guide;           ///< The second's.
     float distance_2;        ///< Least of their middles within the step, squared [m^2].
-    bool closest_of_second;  ///< Of all segments of the first's guide.
+    bool closest_of_second;  ///< Of all links of the first's guide.
   };
   /// Where they touch.
   struct Contact {
@@ -91,7 +91,7 @@ struct WispScratch {
   /// What a piece of guides finds.
   struct Piece {
     std::vector<Candidate> candidates;  ///< Of one guide,
-    std::vector<int32_t> nearest;       ///< and by its segments, the nearest of another guide.
+    std::vector<int32_t> nearest;       ///< and by its points, the nearest of another guide.
     std::vector<Contact> contacts;
     std::vector<WispPair> pairs;
   };
@@ -100,7 +100,8 @@ struct WispScratch {
     int32_t pair, side;
   };
 
-  std::vector<SegmentBox> boxes;  ///< By first point.
+  std::vector<int32_t> guide_of;  ///< Guide of the segment from each point; -1 where none is.
+  std::vector<SegmentBox> boxes;  ///< Of links of segments, by the first point of the middle one.
   std::vector<Middle> middles;    ///< Likewise.
   SegmentGrid grid;
   std::vector<Piece> pieces;

@@ -19,6 +19,8 @@ constexpr float kLongestSegment = 0.25f;  // [m]
 constexpr float kLargestRadius = 0.1f;    // [m]
 constexpr float kFarthest = 1e4f;       // From the origin; beyond it float32 resolves no hair [m].
 constexpr float kLongestSweep = 0.25f;  // Of a segment among the others [m].
+constexpr float kLinkLength = 1.5f;     // By the radius of the wisp,
+constexpr float kLongestLink = 4;       // and in segments.
 constexpr double kMostTests = 500;      // A segment, at which sweeps are cut.
 constexpr double kFew = 1000;           // Segments that may always be tested.
 
@@ -47,7 +49,30 @@ SegmentBox Swept(const Vector3f& x, const Vector3f& drift, const WispStep& step,
   return {begin.min(end), begin.max(end), 0};
 }
 
-// Boxes and middles of one guide's segments beyond its root.
+// The box and the middle of a stretch of `count` segments from `begin` on.
+void BoxLink(const WispPoints& points, size_t begin, size_t count, const WispStep& step,
+             const Vector3f& mean, float longest_sweep, WispScratch& scratch) {
+  const int32_t guide = scratch.guide_of[begin];
+  const float reach =
+      (1 + kMargin) * std::min(points.radius[static_cast<size_t>(guide)], kLargestRadius);
+  SegmentBox box =
+      Swept(points.Position(begin), points.velocity[begin] - mean, step, longest_sweep);
+  for (size_t p = begin + 1; p <= begin + count; ++p) {
+    const SegmentBox next =
+        Swept(points.Position(p), points.velocity[p] - mean, step, longest_sweep);
+    box.low = box.low.min(next.low);
+    box.high = box.high.max(next.high);
+  }
+  const Vector3f x = points.Position(begin), y = points.Position(begin + count);
+  const Vector3f velocity = 0.5f * (points.velocity[begin] + points.velocity[begin + count]);
+  const size_t middle = begin + count / 2;
+  scratch.boxes[middle] = {box.low - reach, box.high + reach, guide};
+  scratch.middles[middle] = {0.5f * (x + y) - step.h * velocity, velocity,
+                             reach + 0.5f * (y - x).norm()};
+}
+
+// Finds one guide's segments beyond its root, and joins them to links about as long as its wisp is
+// thick: where wisps are wide, that many segments more would only make more pairs of the same.
 void BoxGuide(const WispPoints& points, int guide, const WispStep& step, float root_length,
               const Vector3f& mean, float longest_sweep, WispScratch& scratch) {
   const auto g = static_cast<size_t>(guide);
@@ -55,25 +80,28 @@ void BoxGuide(const WispPoints& points, int guide, const WispStep& step, float r
   const auto begin = static_cast<size_t>(points.first[g]);
   const auto end = static_cast<size_t>(points.first[g + 1]);
   float arc = 0;
+  size_t lengths = 0;
   for (size_t p = begin; p < end; ++p) {
-    SegmentBox& box = scratch.boxes[p];
-    box.guide = -1;
+    scratch.boxes[p].guide = -1;
+    scratch.guide_of[p] = -1;
     if (p + 1 == end || !(radius > 0)) continue;
-    const Vector3f x = points.Position(p), y = points.Position(p + 1);
-    const float length = (y - x).norm();
-    const bool beyond_root = arc >= root_length;
-    arc += std::isfinite(length) ? length : 0;
-    if (!beyond_root || !(length <= kLongestSegment) || !Usable(points, p) ||
-        !Usable(points, p + 1)) {
-      continue;
+    const float length = (points.Position(p + 1) - points.Position(p)).norm();
+    if (!(length <= kLongestSegment)) continue;
+    if (arc >= root_length && Usable(points, p) && Usable(points, p + 1)) {
+      scratch.guide_of[p] = guide;
     }
-    const Vector3f u = points.velocity[p], v = points.velocity[p + 1];
-    const SegmentBox from = Swept(x, u - mean, step, longest_sweep);
-    const SegmentBox to = Swept(y, v - mean, step, longest_sweep);
-    const float reach = (1 + kMargin) * radius;
-    box = {from.low.min(to.low) - reach, from.high.max(to.high) + reach, guide};
-    const Vector3f velocity = 0.5f * (u + v);
-    scratch.middles[p] = {0.5f * (x + y) - step.h * velocity, velocity, reach + 0.5f * length};
+    arc += length;
+    ++lengths;
+  }
+
+  const float each = arc / static_cast<float>(std::max<size_t>(lengths, 1));
+  const float most = kLinkLength * radius / std::max(each, 1e-6f);
+  const auto link = static_cast<size_t>(std::clamp(most + 0.5f, 1.0f, kLongestLink));
+  for (size_t p = begin; p < end;) {
+    size_t count = 0;
+    while (count < link && p + count < end && scratch.guide_of[p + count] == guide) ++count;
+    if (count > 0) BoxLink(points, p, count, step, mean, longest_sweep, scratch);
+    p += std::max<size_t>(count, 1);
   }
 }
 
@@ -150,18 +178,24 @@ void ForMutual(int32_t first_point, WispScratch::Piece& piece, const Visit& visi
 Contact Walk(const WispPoints& points, const WispStep& step, const WispScratch& scratch,
              const int32_t guide[2], const int32_t point[2]) {
   Contact contact = Approach(points, step, guide, point);
-  for (int tries = 0; tries < 3; ++tries) {
+  const auto go = [&](const int32_t next[2]) {
+    const Contact closer = Approach(points, step, guide, next);
+    const bool better = closer.distance < contact.distance;
+    if (better) contact = closer;
+    return better;
+  };
+  for (int tries = 0; tries < 5; ++tries) {
     int32_t next[2];
     for (int k = 0; k < 2; ++k) {
       const float s = contact.fraction[k];
       const int32_t p = contact.point[k] + (s >= 1 ? 1 : 0) - (s <= 0 ? 1 : 0);
-      const bool usable = p >= 0 && scratch.boxes[static_cast<size_t>(p)].guide == guide[k];
+      const bool usable = p >= 0 && scratch.guide_of[static_cast<size_t>(p)] == guide[k];
       next[k] = usable ? p : contact.point[k];
     }
-    if (next[0] == contact.point[0] && next[1] == contact.point[1]) break;
-    const Contact closer = Approach(points, step, guide, next);
-    if (!(closer.distance < contact.distance)) break;
-    contact = closer;
+    const int32_t first[2] = {next[0], contact.point[1]};
+    const int32_t second[2] = {contact.point[0], next[1]};
+    const bool one = next[0] != contact.point[0], two = next[1] != contact.point[1];
+    if (!(one && two && go(next)) && !(one && go(first)) && !(two && go(second))) break;
   }
   return contact;
 }
@@ -215,6 +249,7 @@ void BuildGrid(const WispPoints& points, const WispStep& step, const WispSetting
   const auto root_length = static_cast<float>(settings.root_length);
   scratch.boxes.resize(points.mass.size());
   scratch.middles.resize(points.mass.size());
+  scratch.guide_of.resize(points.mass.size());
   float sweep = kLongestSweep;
   for (int tries = 0; tries < 6; ++tries, sweep *= 0.5f) {
     pool.ParallelFor(points.guides(), 16, [&](int begin, int end) {
