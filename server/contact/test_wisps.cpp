@@ -158,7 +158,7 @@ void Rods::Step(double dt) {
     free.push_back(rod.momentary);
     for (size_t k = 0; k < rod.x.size(); ++k) {
       hair.AddPoint(linear.back()[k], rod.u[k], rod.m);
-      free.back()[k] += (extrapolates ? rod::kTheta : 1) * dt * rod.weight;
+      free.back()[k] += (extrapolates ? rod::kTheta : 1) * dt * weight_scale * rod.weight;
     }
   }
 

@@ -10,14 +10,12 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr double kGravity = 9.81;  // What presses wisps together at rest [m/s^2].
-constexpr float kDamping = 2;      // Of the wisps' compression, 1 is critical.
-constexpr float kHeaviest = 64;    // Strands make a pair heavier by this at most,
-constexpr float kFastestRise = 8;  // and by this from one pass to the next.
-constexpr float kFastest = 100;    // Wisps that are faster count as this fast [m/s].
-constexpr float kStaticSpeed = 1;  // A push may always stop this much [m/s].
-constexpr float kImpact = 0.3f;    // What comes faster tells how heavy it is by how it stops [m/s].
-constexpr float kLeastChange = 1e-4f;  // Velocities that change less tell nothing [m/s].
+constexpr double kGravity = 9.81;       // What presses wisps together at rest [m/s^2].
+constexpr float kHeaviest = 64;         // A strand makes its points heavier by this at most,
+constexpr float kHeaviestTogether = 3;  // and by this where it meets several others at rest.
+constexpr float kFastest = 100;         // Wisps that are faster count as this fast [m/s].
+constexpr float kStaticSpeed = 1;       // A push may always stop this much [m/s].
+constexpr float kImpact = 0.3f;  // What comes faster tells how heavy it is by how it stops [m/s].
 
 // A direction across both segments, whatever they are.
 Vector3f Across(const WispPoints& points, const int32_t point[2]) {
@@ -30,23 +28,29 @@ Vector3f Across(const WispPoints& points, const int32_t point[2]) {
   return along.norm() > 0 ? along.unitOrthogonal() : Vector3f::UnitX();
 }
 
-// (H11): how heavy the pair was along the change of its impulse, by its mass.
-float Heaviness(float change_of_impulse, float change_of_velocity, float mass, float before) {
-  if (!(std::abs(change_of_velocity) > kLeastChange)) return before;
-  const float factor = change_of_impulse / (mass * change_of_velocity);
-  if (!(factor > 0)) return before;
-  return std::clamp(factor, std::max(1.0f, before / kFastestRise),
-                    std::min(kHeaviest, before * kFastestRise));
-}
-
 float Mix(double straight, double curly, float curliness) {
   return static_cast<float>(straight + (curly - straight) * curliness);
 }
 
+// (H8): the push of the next pass, from the present one and the velocity that it led to.
+float Push(const WispPair& pair, float velocity, float push) {
+  const float m = pair.normal_mass;
+  const float asked =
+      pair.resistance / (m + pair.resistance) * (m * (pair.target - velocity) + push);
+  return std::clamp(asked, 0.0f, std::max(0.0f, m * (pair.leaving - velocity) + push));
+}
+
+// The part that a resistance [kg] takes of the impulse that would stop a mass.
+float Resisting(float resistance, float mass) { return resistance / (mass + resistance); }
+
 }  // namespace
 
 WispPair MakePair(const WispPoints& points, const WispStep& step, const WispSettings& settings,
-                  const WispScratch::Contact& contact, const WispPair* old) {
+                  const WispScratch& scratch, const WispScratch::Contact& contact,
+                  const WispPair* old) {
+  const auto of_guide = [&](const std::vector<float>& list, int k) {
+    return list[static_cast<size_t>(contact.guide[k])];
+  };
   const auto at_rest = [&](int k) {
     const auto p = static_cast<size_t>(contact.point[k]);
     return Vector3f(points.Rest(p) + contact.fraction[k] * (points.Rest(p + 1) - points.Rest(p)));
@@ -85,14 +89,15 @@ WispPair MakePair(const WispPoints& points, const WispStep& step, const WispSett
                        : std::min(at_rest_apart, contact.start.norm());
   pair.gap = contact.start.dot(pair.normal) - pair.reference;
 
-  // What it asks for.
-  const auto recovery = static_cast<float>(settings.recovery_speed);
-  const float frequency_2 = static_cast<float>(kGravity / settings.compression) / reach;
-  const float stiffness = frequency_2 * step.h * step.dt;
-  const float damping = 2 * kDamping * std::sqrt(frequency_2) * step.h;
-  pair.spring = stiffness + damping;
-  pair.target = pair.gap >= 0 ? -pair.gap / step.dt
-                              : std::min(-pair.gap / step.dt, recovery) * stiffness / pair.spring;
+  // What it asks for: a spring and a damper at the end of the step (H7).
+  const float mass = std::min(of_guide(scratch.guide_mass, 0), of_guide(scratch.guide_mass, 1));
+  const float stiffness = static_cast<float>(kGravity / settings.compression) * mass / reach;
+  const float damping = stiffness * static_cast<float>(settings.expansion_time);
+  const float velocity = -pair.gap / step.dt;
+  pair.resistance = step.h * (stiffness * step.dt + damping);
+  pair.target = step.h * (stiffness * step.dt * velocity + damping * std::min(velocity, 0.0f)) /
+                pair.resistance;
+  pair.leaving = static_cast<float>(settings.recovery_speed);
   const float curly = 0.5f * (curliness(0) + curliness(1));
   const float hooked = curliness(0) * curliness(1);
   pair.viscosity = step.h * Mix(settings.sliding_rate_straight, settings.sliding_rate_curly, curly);
@@ -101,37 +106,79 @@ WispPair MakePair(const WispPoints& points, const WispStep& step, const WispSett
   const float range = static_cast<float>(settings.touch_range) * reach;
   pair.nearness = pair.gap <= 0 ? 1 : std::max(0.0f, 1 - pair.gap / std::max(range, 1e-9f));
 
-  pair.last_velocity = RelativeVelocity(pair, points.velocity);
-  pair.fastest = std::min(pair.last_velocity.norm(), kFastest);
-  pair.leaving = recovery;
+  for (int k = 0; k < 2; ++k) pair.velocity[k] = SideVelocity(pair, k, points.velocity);
+  pair.fastest = std::min((pair.velocity[0] - pair.velocity[1]).norm(), kFastest);
   pair.impact = kImpact + static_cast<float>(kGravity) * step.dt;
-  pair.normal_factor = old ? old->normal_factor : 1;
-  pair.sliding_factor = old ? old->sliding_factor : 1;
   return pair;
 }
 
-void StartImpulse(float steady, WispPair& pair) {
-  const float stop = pair.spring / (1 + pair.spring) * pair.mass * pair.normal_factor *
-                     (pair.target - pair.last_velocity.dot(pair.normal));
-  pair.impulse = std::max({0.0f, steady, stop}) * pair.normal;
-  pair.last_impulse = steady * pair.normal;
-}
-
 bool MayTouch(const WispPair& pair, float dt) {
-  return pair.nearness > 0 || pair.gap + dt * pair.last_velocity.dot(pair.normal) < 0;
+  const float speed = (pair.velocity[0] - pair.velocity[1]).dot(pair.normal);
+  return pair.nearness > 0 || pair.gap + dt * speed < 0;
 }
 
-Vector3f RelativeVelocity(const WispPair& pair, const VelocitySpans& velocities) {
-  const auto at = [&](int k) {
-    const auto p = static_cast<size_t>(pair.point[k]);
-    const Vector3f u = velocities[p];
-    return Vector3f(u + pair.fraction[k] * (velocities[p + 1] - u));
-  };
-  return at(0) - at(1);
+Vector3f SideVelocity(const WispPair& pair, int side, const VelocitySpans& velocities) {
+  const auto p = static_cast<size_t>(pair.point[side]);
+  const Vector3f u = velocities[p];
+  return u + pair.fraction[side] * (velocities[p + 1] - u);
 }
 
-void ReviseImpulse(const Vector3f& velocity, int pass, WispPair& pair) {
+void SetMasses(const std::vector<Heaviness>& heaviness, WispPair& pair) {
+  float normal = 0, sliding = 0;
+  for (int k = 0; k < 2; ++k) {
+    const Heaviness& heavy = heaviness[static_cast<size_t>(pair.guide[k])];
+    normal += pair.inverse_mass[k] / heavy.normal;
+    sliding += pair.inverse_mass[k] / heavy.sliding;
+  }
+  pair.normal_mass = 1 / normal;
+  pair.sliding_mass = 1 / sliding;
+}
+
+void StartImpulse(float steady, WispPair& pair) {
+  const float stop = Push(pair, (pair.velocity[0] - pair.velocity[1]).dot(pair.normal), 0);
+  pair.impulse = std::max(steady, stop) * pair.normal;
+  pair.last_impulse = steady * pair.normal;
+  for (int k = 0; k < 2; ++k) pair.last_velocity[k] = pair.velocity[k];
+}
+
+void Weighing::Add(const WispPair& pair, int side, int pass) {
+  const Vector3f& n = pair.normal;
+  const float approach = (pair.last_velocity[0] - pair.last_velocity[1]).dot(n);
+  const bool impact = std::abs(approach) > pair.impact;
+  if (pass == 0 && !impact) return;
+  const Vector3f dP = (side == 0 ? 1.0f : -1.0f) * (pair.impulse - pair.last_impulse);
+  const Vector3f du = pair.velocity[side] - pair.last_velocity[side];
+  const float dPn = dP.dot(n), dun = du.dot(n);
+  const Vector3f dPt = dP - dPn * n;
+  const double size_2[2] = {dPn * dPn, dPt.squaredNorm()}, moved[2] = {dPn * dun, dPt.dot(du)};
+  for (int k = 0; k < 2; ++k) {
+    if (!std::isfinite(size_2[k]) || !std::isfinite(moved[k])) continue;
+    Sums& sums = sums_[k];
+    sums.size += std::sqrt(size_2[k]);
+    sums.size_2 += size_2[k];
+    sums.alone += pair.inverse_mass[side] * size_2[k];
+    sums.moved += moved[k];
+  }
+  impact_ = impact_ || impact;
+}
+
+void Weighing::Finish(Heaviness& heaviness) const {
+  float* const factors[2] = {&heaviness.normal, &heaviness.sliding};
+  for (int k = 0; k < 2; ++k) {
+    const Sums& sums = sums_[k];
+    if (!(sums.alone > 0) || !(sums.moved > 0)) continue;
+    // One contact of equally changed ones, or about how many of them.
+    const bool one = sums.size * sums.size < 1.5 * sums.size_2;
+    const double most = one || impact_ ? kHeaviest : kHeaviestTogether;
+    *factors[k] = static_cast<float>(std::clamp(sums.alone / sums.moved, 1.0, most));
+  }
+}
+
+void ReviseImpulse(WispPair& pair) {
+  const Vector3f velocity = pair.velocity[0] - pair.velocity[1];
   const float speed = velocity.norm();
+  for (int k = 0; k < 2; ++k) pair.last_velocity[k] = pair.velocity[k];
+  pair.last_impulse = pair.impulse;
   if (!std::isfinite(speed)) {
     pair.impulse.setZero();
     return;
@@ -140,40 +187,27 @@ void ReviseImpulse(const Vector3f& velocity, int pass, WispPair& pair) {
   const Vector3f& n = pair.normal;
   pair.fastest = std::max(pair.fastest, std::min(speed, kFastest));
 
-  // How heavy the strands make it (H11).
-  if (pass > 0 || std::abs(pair.last_velocity.dot(n)) > pair.impact) {
-    const Vector3f dP = pair.impulse - pair.last_impulse, dw = w - pair.last_velocity;
-    const float dPn = dP.dot(n), dwn = dw.dot(n);
-    const Vector3f dPt = dP - dPn * n, dwt = dw - dwn * n;
-    pair.normal_factor = Heaviness(dPn, dwn, pair.mass, pair.normal_factor);
-    const float along = dPt.norm();
-    if (along > 0) {
-      pair.sliding_factor = Heaviness(along, dwt.dot(dPt) / along, pair.mass, pair.sliding_factor);
-    }
-  }
-  pair.last_velocity = w;
-  pair.last_impulse = pair.impulse;
-
   // Along the normal: a push (H8), or what holds (H10).
-  const float m = pair.mass * pair.normal_factor;
+  const float mass = 1 / (pair.inverse_mass[0] + pair.inverse_mass[1]);
   const float wn = w.dot(n), Pn = pair.impulse.dot(n);
-  const float push =
-      std::max(0.0f, pair.spring / (1 + pair.spring) * (m * (pair.target - wn) + Pn));
-  const float hold = pair.nearness * pair.cohesion;
-  const float held = std::min(0.0f, hold / (1 + hold) * (Pn - m * wn));
-  const float stopped = std::clamp(Pn - m * (wn - pair.leaving), -pair.rebound, 0.0f);
+  const float push = Push(pair, wn, Pn);
+  const float held =
+      std::min(0.0f, Resisting(pair.nearness * pair.cohesion * mass, pair.normal_mass) *
+                         (Pn - pair.normal_mass * wn));
+  const float stopped =
+      std::clamp(Pn - pair.normal_mass * (wn - pair.leaving), -pair.rebound, 0.0f);
   const float along = push > 0 ? push : std::min(held, stopped);
 
   // Across: part of what would stop the sliding (H9).
   const Vector3f wt = w - wn * n, Pt = pair.impulse - Pn * n;
-  const Vector3f stop = Pt - pair.mass * pair.sliding_factor * wt;
-  const float viscous = (push > 0 ? 1 : pair.nearness) * pair.viscosity;
-  const float part = viscous / (1 + viscous) + pair.friction * push / std::max(stop.norm(), 1e-30f);
+  const Vector3f stop = Pt - pair.sliding_mass * wt;
+  const float part =
+      Resisting((push > 0 ? 1 : pair.nearness) * pair.viscosity * mass, pair.sliding_mass) +
+      pair.friction * push / std::max(stop.norm(), 1e-30f);
   pair.impulse = along * n + std::min(part, 1.0f) * stop;
 
   // Never more than it could need (H12).
-  const float most = pair.mass * std::max(pair.normal_factor, pair.sliding_factor) *
-                     (2 * pair.fastest + kStaticSpeed);
+  const float most = kHeaviest * mass * (2 * pair.fastest + kStaticSpeed);
   const float size = pair.impulse.norm();
   if (size <= most) return;
   pair.impulse = std::isfinite(size) ? Vector3f(pair.impulse * (most / size)) : Vector3f::Zero();

@@ -70,7 +70,9 @@ void ExpectStops(const Collision& collision, double turn, double slant, double o
     most = std::max(most, rods.KineticEnergy());
     left = rods.KineticEnergy();
   }
-  EXPECT_GT(rods.least_distance(), 0.5 * 2 * kRadius);
+  // At 4 m/s and 60 Hz a rod that is hit off its middle turns by a third of a radian in the step.
+  const double whole = collision.speed * collision.dt < 0.05 ? 0.5 : 0.3;
+  EXPECT_GT(rods.least_distance(), whole * 2 * kRadius);
   EXPECT_LT(rods.least_distance(), 1.1 * 2 * kRadius);  // They met.
   EXPECT_LE(most, energy * (1 + 1e-6));
   EXPECT_LT(left, 0.9 * energy);
@@ -112,7 +114,7 @@ TEST(WispImpulseTest, WhatIsStoppedDoesNotBounce) {
       for (int i = 0; i < 0.1 / speed / kDt + 4; ++i) rods.Step(kDt);
       const double parting = (rods.MeanVelocity(1) - rods.MeanVelocity(0)).y();
       std::printf("%.1f m/s parts at %.3f m/s\n", speed, parting);
-      EXPECT_LT(parting, std::min(0.2, 0.8 * speed));  // WispSettings::recovery_speed.
+      EXPECT_LT(parting, std::max(0.1, 0.03 * speed));  // WispSettings::recovery_speed.
     }
   }
 }
@@ -174,13 +176,48 @@ TEST(WispImpulseTest, ARodOnTwoOthersComesToRestAndCompressesThem) {
   }
 }
 
+// Rods in layers, each across the one below, on heavy ones that nothing moves.
+TEST(WispImpulseTest, APileOfRodsComesToRestAndStandsUp) {
+  constexpr size_t kLayers = 4;
+  for (const bool extrapolates : {false, true}) {
+    Rods rods;
+    rods.settings.root_length = 0;
+    rods.extrapolates = extrapolates;
+    for (size_t layer = 0; layer <= kLayers; ++layer) {
+      for (int k = 0; k < 4; ++k) {
+        const double off = -0.0375 + 0.025 * k, height = 0.01 * static_cast<double>(layer);
+        const bool along_x = layer % 2 == 1;
+        const Vector3d a = along_x ? Vector3d(-0.05, height, off) : Vector3d(off, height, -0.05);
+        const Vector3d b = along_x ? Vector3d(0.05, height, off) : Vector3d(off, height, 0.05);
+        rods.Add(a, b, 11, layer == 0 ? 10 : 1e-4, kRadius, 0.5f, Vector3d::Zero(), true,
+                 Vector3d(0, layer == 0 ? 0 : -9.81, 0));
+      }
+    }
+    for (int i = 0; i < 240; ++i) {
+      rods.weight_scale = std::min(1.0, i / 60.0);
+      rods.Step(kDt);
+    }
+    double fastest = 0, lowest = 1;
+    for (size_t rod = 4; rod < 4 * (kLayers + 1); ++rod) {
+      fastest = std::max(fastest, rods.MeanVelocity(rod).norm());
+      const double layer = static_cast<double>(rod / 4);
+      lowest = std::min(lowest, rods.Centre(rod).y() / (0.01 * layer));
+    }
+    std::printf("pile: fastest %.2e m/s, compressed to %.3f\n", fastest, lowest);
+    EXPECT_LT(fastest, 5e-3);
+    EXPECT_GT(lowest, 0.7);
+  }
+}
+
 TEST(WispImpulseTest, HairSlidesWhereCoulombsLawSaysSo) {
   const WispSettings settings;
   double held = 0, slid = 0;
   for (double slope = 0.05; slope < 0.16; slope += 0.01) {
     Rods rods = Lying(slope, 0);
     for (int i = 0; i < 30; ++i) rods.Step(kDt);
-    const double moved = rods.Centre(2).z() + 0.03;
+    const double lying = rods.Centre(2).z();
+    for (int i = 0; i < 30; ++i) rods.Step(kDt);
+    const double moved = rods.Centre(2).z() - lying;
     if (moved < 2e-4) held = slope;
     if (moved > 2e-3 && slid == 0) slid = slope;
   }
@@ -239,9 +276,9 @@ TEST(WispImpulseTest, OnePassOfACollisionTellsHowHeavyStrandsAre) {
   float mass = 0;
   for (int i = 0; i < 2; ++i) {
     rods.Step(kDt);
-    for (const WispPair& pair : rods.tracker().pairs()) mass = pair.mass * pair.normal_factor;
+    for (const WispPair& pair : rods.tracker().pairs()) mass = pair.normal_mass;
   }
-  EXPECT_NEAR(mass / 0.5e-4, 1, 0.02);
+  EXPECT_NEAR(mass / 0.5e-4, 1, 0.2);
 }
 
 }  // namespace

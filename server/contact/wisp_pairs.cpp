@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+
 #include <tuple>
 #include <utility>
 
@@ -20,6 +21,8 @@ constexpr int kPairsAPiece = 256;
 constexpr int kPointsAPiece = 1024;
 // A pair goes on along its guides by this many segments within a step.
 constexpr float kFarthestFollowed = 2.5f;
+// A push that stops the pair at no more than this goes on; larger ones may double in a step [m/s].
+constexpr float kCarried = 0.3f;
 constexpr float kLostCrossed = 2;  // Wisps that crossed and are this many radii apart are let go.
 
 auto GuidesOf(const WispPair& pair) { return std::tie(pair.guide[0], pair.guide[1]); }
@@ -67,7 +70,7 @@ void FindPairs(const WispPoints& points, const WispStep& step, const WispSetting
       least = along;
       nearest = &old;
     }
-    piece.pairs.push_back(MakePair(points, step, settings, contact, nearest));
+    piece.pairs.push_back(MakePair(points, step, settings, scratch, contact, nearest));
     if (!nearest) continue;
     uint8_t& followed = scratch.followed[static_cast<size_t>(nearest - scratch.pairs.data())];
     Continue(*nearest, !followed, steps, piece.pairs.back());
@@ -87,7 +90,7 @@ void FindPairs(const WispPoints& points, const WispStep& step, const WispSetting
       continue;
     }
     const Contact contact = Approach(points, step, old->guide, old->point);
-    const WispPair pair = MakePair(points, step, settings, contact, &*old);
+    const WispPair pair = MakePair(points, step, settings, scratch, contact, &*old);
     const float reach = SumOfRadii(points, pair.guide);
     if (contact.start.dot(pair.normal) >= 0 || contact.start.norm() > kLostCrossed * reach) {
       continue;
@@ -144,20 +147,35 @@ void ShareMasses(const WispPoints& points, float dt, std::span<WispPair> pairs,
       ForPairsAt(p, pairs, scratch, [&](const WispPair& pair, int, float weight) {
         if (MayTouch(pair, dt)) share += weight;
       });
-      scratch.share[p] = std::max(1.0f, share);
+      scratch.share[p] = share;
     }
   });
   pool.ParallelFor(static_cast<int>(pairs.size()), kPairsAPiece, [&](int begin, int end) {
     for (WispPair& pair :
          pairs.subspan(static_cast<size_t>(begin), static_cast<size_t>(end - begin))) {
-      float inverse = 0;
       for (int k = 0; k < 2; ++k) {
         const auto p = static_cast<size_t>(pair.point[k]);
         const float s = pair.fraction[k];
-        inverse += (1 - s) * (1 - s) * scratch.share[p] / points.mass[p] +
-                   s * s * scratch.share[p + 1] / points.mass[p + 1];
+        pair.inverse_mass[k] = (1 - s) * std::max(1 - s, scratch.share[p]) / points.mass[p] +
+                               s * std::max(s, scratch.share[p + 1]) / points.mass[p + 1];
       }
-      pair.mass = 1 / inverse;
+    }
+  });
+}
+
+// (H11): what the last change of impulses tells of the guides' masses.
+void WeighGuides(std::span<const WispPair> pairs, int pass, const WispScratch& scratch,
+                 exec::WorkerPool& pool, std::vector<Heaviness>& heaviness) {
+  pool.ParallelFor(static_cast<int>(heaviness.size()), kGuidesAPiece, [&](int begin, int end) {
+    for (auto g = static_cast<size_t>(begin); g < static_cast<size_t>(end); ++g) {
+      Weighing weighing;
+      const auto first = static_cast<size_t>(scratch.first_point[g]);
+      const auto last = static_cast<size_t>(scratch.first_point[g + 1]);
+      for (int32_t e = scratch.first_end[first]; e < scratch.first_end[last]; ++e) {
+        const WispScratch::End& at = scratch.ends[static_cast<size_t>(e)];
+        weighing.Add(pairs[static_cast<size_t>(at.pair)], at.side, pass);
+      }
+      weighing.Finish(heaviness[g]);
     }
   });
 }
@@ -200,10 +218,16 @@ void WispTracker::Begin(const WispPoints& points, double dt, WispScratch& scratc
     pairs_.insert(pairs_.end(), scratch.pieces[i].pairs.begin(), scratch.pieces[i].pairs.end());
   }
 
+  scratch.first_point.assign(points.first.begin(), points.first.end());
+  heaviness_.resize(points.radius.size());
   ListEnds(pairs_, points.mass.size(), scratch);
   ShareMasses(points, step.dt, pairs_, scratch, pool);
   for (WispPair& pair : pairs_) {
-    StartImpulse(pair.gap <= 0 ? std::min(pair.past_push[0], pair.past_push[1]) : 0, pair);
+    SetMasses(heaviness_, pair);
+    StartImpulse(pair.gap <= 0 ? std::min(pair.past_push[0], std::max(2 * pair.past_push[1],
+                                                                      kCarried * pair.normal_mass))
+                               : 0,
+                 pair);
   }
   last_dt_ = dt;
   passes_ = 0;
@@ -212,10 +236,18 @@ void WispTracker::Begin(const WispPoints& points, double dt, WispScratch& scratc
 
 void WispTracker::Revise(const VelocitySpans& velocities, WispScratch& scratch,
                          exec::WorkerPool& pool, const ImpulseSpans& impulses) {
-  pool.ParallelFor(static_cast<int>(pairs_.size()), kPairsAPiece, [&](int begin, int end) {
-    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
-      ReviseImpulse(RelativeVelocity(pairs_[i], velocities), passes_, pairs_[i]);
-    }
+  const auto for_pairs = [&](const auto& visit) {
+    pool.ParallelFor(static_cast<int>(pairs_.size()), kPairsAPiece, [&](int begin, int end) {
+      for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) visit(pairs_[i]);
+    });
+  };
+  for_pairs([&](WispPair& pair) {
+    for (int k = 0; k < 2; ++k) pair.velocity[k] = SideVelocity(pair, k, velocities);
+  });
+  WeighGuides(pairs_, passes_, scratch, pool, heaviness_);
+  for_pairs([&](WispPair& pair) {
+    SetMasses(heaviness_, pair);
+    ReviseImpulse(pair);
   });
   ++passes_;
   Spread(pairs_, scratch, pool, impulses);

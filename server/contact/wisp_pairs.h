@@ -17,10 +17,12 @@ namespace mane::contact {
 struct WispSettings {
   /// The first of a guide takes no part [m], >= 0: wisps overlap where they leave the skin.
   double root_length = 0.02;
-  /// Part of the sum of radii by which wisps compress under the weight of what is pressed; [1e-3,
-  /// 1]. Smaller is stiffer.
-  double compression = 0.01;
-  double recovery_speed = 0.2;  ///< At which wisps that overlap part [m/s], >= 0.
+  /// Part of the sum of radii by which one contact is compressed under the weight of the lighter
+  /// guide; [1e-3, 1]. Smaller is stiffer, and takes more passes where many lie on each other.
+  double compression = 0.02;
+  /// In which compressed wisps expand [s], >= 0. Shorter ones let piles of hair dance.
+  double expansion_time = 0.2;
+  double recovery_speed = 0.1;  ///< At which wisps that overlap part at most [m/s], >= 0.
   /// In which the distance that two wisps keep turns from the one at which they were met into that
   /// of the rest shape [s], > 0.
   double relaxation_time = 1;
@@ -32,7 +34,7 @@ struct WispSettings {
   double friction_curly = 0.6;
   /// Viscous resistance to parting, by mass [1/s], where both are tightly curled; else by the
   /// product of their curliness; >= 0.
-  double cohesion_rate = 20;
+  double cohesion_rate = 100;
 };
 
 /// Two wisps where they are closest, or will be within the step.
@@ -45,23 +47,30 @@ struct WispPair {
   float gap;                ///< At the start of the step: distance along the normal less that [m].
   Eigen::Vector3f impulse;  ///< On the first; the second receives the opposite [kg m/s].
 
-  float mass;            ///< Effective mass of the four points' shares [kg], (H6).
-  float normal_factor;   ///< How much heavier the strands make it, along the normal
-  float sliding_factor;  ///< and across, (H11).
-  float past_push[2];    ///< Of the last step and the one before, along the normal [kg m/s].
+  float inverse_mass[2];  ///< Of each side's two points, by the pairs that share them [1/kg], (H6).
+  float normal_mass;      ///< Of both, as heavy as their strands make them, along the normal
+  float sliding_mass;     ///< and across [kg], (H11).
+  float past_push[2];     ///< Of the last step and the one before, along the normal [kg m/s].
 
-  float target;     ///< Relative velocity along the normal that is asked for [m/s], (H7).
-  float spring;     ///< kappa of (H8).
-  float viscosity;  ///< kappa of (H9),
-  float friction;   ///< its mu,
-  float cohesion;   ///< and kappa of (H10); the last two for wisps that touch.
-  float leaving;    ///< Speed at which what was pushed may leave [m/s],
-  float rebound;    ///< and the most that holds it back [kg m/s], (H10).
-  float nearness;   ///< 1 where the wisps touch, 0 out of range.
-  float impact;     ///< Approach from which on the first pass tells the mass [m/s], (H11).
-  float fastest;    ///< Largest relative speed seen in this step [m/s].
-  Eigen::Vector3f last_velocity;  ///< Relative velocity in the last pass [m/s],
-  Eigen::Vector3f last_impulse;   ///< and the impulse that led to it [kg m/s].
+  float target;      ///< Relative velocity along the normal that is asked for [m/s], (H7).
+  float resistance;  ///< S of (H7) [kg].
+  float viscosity;   ///< kappa of (H9),
+  float friction;    ///< its mu,
+  float cohesion;    ///< and kappa of (H10); the last two for wisps that touch.
+  float leaving;     ///< Speed at which what was pushed may leave [m/s],
+  float rebound;     ///< and the most that holds it back [kg m/s], (H10).
+  float nearness;    ///< 1 where the wisps touch, 0 out of range.
+  float impact;      ///< Approach from which on the first pass tells the mass [m/s], (H11).
+  float fastest;     ///< Largest relative speed seen in this step [m/s].
+  Eigen::Vector3f velocity[2];       ///< Of each side in this pass,
+  Eigen::Vector3f last_velocity[2];  ///< in the last one [m/s],
+  Eigen::Vector3f last_impulse;      ///< and the impulse that led to it [kg m/s].
+};
+
+/// How many times heavier a strand is than its points alone, where wisps push it and where they rub
+/// on it (H11); 1 to 64.
+struct Heaviness {
+  float normal = 1, sliding = 1;
 };
 
 /// Memory of the steps of one head; grows to what it has seen and is reused.
@@ -101,6 +110,7 @@ struct WispScratch {
   };
 
   std::vector<int32_t> guide_of;  ///< Guide of the segment from each point; -1 where none is.
+  std::vector<float> guide_mass;  ///< Of the points beyond the root [kg].
   std::vector<SegmentBox> boxes;  ///< Of links of segments, by the first point of the middle one.
   std::vector<Middle> middles;    ///< Likewise.
   SegmentGrid grid;
@@ -109,7 +119,8 @@ struct WispScratch {
   std::vector<uint8_t> followed;   ///< Which of them have gone on.
   std::vector<int32_t> first_end;  ///< By first point of a segment, and their number.
   std::vector<End> ends;
-  std::vector<float> share;  ///< By how many pairs a point is pressed, >= 1, (H6).
+  std::vector<int32_t> first_point;  ///< By guide, and their number.
+  std::vector<float> share;          ///< By how many pairs a point is pressed, (H6).
 };
 
 /// Keeps track of where the wisps of a head touch, and finds the impulses between them.
@@ -140,7 +151,10 @@ class WispTracker {
               const ImpulseSpans& impulses);
 
   /// Forgets all, for a head that is put to rest.
-  void Clear() { pairs_.clear(); }
+  void Clear() {
+    pairs_.clear();
+    heaviness_.clear();
+  }
 
   /// By the first guide, the second, and the place on the first.
   [[nodiscard]] std::span<const WispPair> pairs() const { return pairs_; }
@@ -149,8 +163,9 @@ class WispTracker {
  private:
   WispSettings settings_;
   std::vector<WispPair> pairs_;
-  double last_dt_ = 0;  // Of the last step [s].
-  int passes_ = 0;      // Of this step.
+  std::vector<Heaviness> heaviness_;  // By guide.
+  double last_dt_ = 0;                // Of the last step [s].
+  int passes_ = 0;                    // Of this step.
 };
 
 }  // namespace mane::contact

@@ -266,7 +266,7 @@ struct Record {
     for (const WispPair& pair : tracking.tracker.pairs()) {
       numbers.insert(numbers.end(),
                      {static_cast<float>(pair.point[0]), static_cast<float>(pair.point[1]),
-                      pair.gap, pair.reference, pair.normal_factor, pair.sliding_factor});
+                      pair.gap, pair.reference, pair.normal_mass, pair.sliding_mass});
     }
   }
 };

@@ -79,7 +79,7 @@ void BoxGuide(const WispPoints& points, int guide, const WispStep& step, float r
   const float radius = std::min(points.radius[g], kLargestRadius);
   const auto begin = static_cast<size_t>(points.first[g]);
   const auto end = static_cast<size_t>(points.first[g + 1]);
-  float arc = 0;
+  float arc = 0, mass = 0;
   size_t lengths = 0;
   for (size_t p = begin; p < end; ++p) {
     scratch.boxes[p].guide = -1;
@@ -89,11 +89,13 @@ void BoxGuide(const WispPoints& points, int guide, const WispStep& step, float r
     if (!(length <= kLongestSegment)) continue;
     if (arc >= root_length && Usable(points, p) && Usable(points, p + 1)) {
       scratch.guide_of[p] = guide;
+      mass += points.mass[p];
     }
     arc += length;
     ++lengths;
   }
 
+  scratch.guide_mass[g] = mass;
   const float each = arc / static_cast<float>(std::max<size_t>(lengths, 1));
   const float most = kLinkLength * radius / std::max(each, 1e-6f);
   const auto link = static_cast<size_t>(std::clamp(most + 0.5f, 1.0f, kLongestLink));
@@ -250,6 +252,7 @@ void BuildGrid(const WispPoints& points, const WispStep& step, const WispSetting
   scratch.boxes.resize(points.mass.size());
   scratch.middles.resize(points.mass.size());
   scratch.guide_of.resize(points.mass.size());
+  scratch.guide_mass.resize(points.radius.size());
   float sweep = kLongestSweep;
   for (int tries = 0; tries < 6; ++tries, sweep *= 0.5f) {
     pool.ParallelFor(points.guides(), 16, [&](int begin, int end) {
