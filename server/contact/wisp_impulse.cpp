@@ -62,6 +62,7 @@ WispPair MakePair(const WispPoints& points, const WispStep& step, const WispSett
   };
 
   WispPair pair{};
+  pair.held.setZero();
   for (int k = 0; k < 2; ++k) {
     pair.guide[k] = contact.guide[k];
     pair.point[k] = contact.point[k];
@@ -136,8 +137,9 @@ void SetMasses(const std::vector<Heaviness>& heaviness, WispPair& pair) {
 
 void StartImpulse(float steady, WispPair& pair) {
   const float stop = Push(pair, (pair.velocity[0] - pair.velocity[1]).dot(pair.normal), 0);
-  pair.impulse = std::max(steady, stop) * pair.normal;
-  pair.last_impulse = steady * pair.normal;
+  const Vector3f held = steady > 0 ? pair.held : Vector3f(Vector3f::Zero());
+  pair.impulse = std::max(steady, stop) * pair.normal + held;
+  pair.last_impulse = steady * pair.normal + held;
   for (int k = 0; k < 2; ++k) pair.last_velocity[k] = pair.velocity[k];
 }
 

@@ -23,6 +23,8 @@ constexpr int kPointsAPiece = 1024;
 constexpr float kFarthestFollowed = 2.5f;
 // A push that stops the pair at no more than this goes on; larger ones may double in a step [m/s].
 constexpr float kCarried = 0.3f;
+// What slides no faster goes on being held [m/s].
+constexpr float kSticking = 0.02f;
 constexpr float kLostCrossed = 2;  // Wisps that crossed and are this many radii apart are let go.
 
 auto GuidesOf(const WispPair& pair) { return std::tie(pair.guide[0], pair.guide[1]); }
@@ -53,6 +55,11 @@ void Continue(const WispPair& old, bool first, double steps, WispPair& pair) {
   if (!first || !(push > 0) || !(steps > 0)) return;
   pair.past_push[0] = push * static_cast<float>(steps);
   pair.past_push[1] = old.past_push[0] * static_cast<float>(steps);
+  const Eigen::Vector3f& n = pair.normal;
+  const Eigen::Vector3f w = pair.velocity[0] - pair.velocity[1];
+  if ((w - w.dot(n) * n).norm() < kSticking) {
+    pair.held = static_cast<float>(steps) * (old.impulse - old.impulse.dot(n) * n);
+  }
   pair.rebound = static_cast<float>((1 - rod::kTheta) / rod::kTheta) * push;
 }
 

@@ -52,6 +52,8 @@ struct WispPair {
   float sliding_mass;     ///< and across [kg], (H11).
   float past_push[2];     ///< Of the last step and the one before, along the normal [kg m/s].
 
+  Eigen::Vector3f held;  ///< What the last step held it with, where it stuck [kg m/s].
+
   float target;      ///< Relative velocity along the normal that is asked for [m/s], (H7).
   float resistance;  ///< S of (H7) [kg].
   float viscosity;   ///< kappa of (H9),
