@@ -6,6 +6,7 @@
 //   friction   it slides where Coulomb's law says so
 //   sliding    curly hair slides less far than straight hair, and never turns round
 //   cohesion   curly hair that touches parts more slowly than straight hair
+//   bounded    no impulse is more than a pair could need
 //   mass       one pass of a collision tells how heavy strands are
 
 #include "contact/wisp_impulse.h"
@@ -15,6 +16,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 #include "contact/test_wisps.h"
 #include "math/random.h"
@@ -268,6 +270,30 @@ TEST(WispImpulseTest, CurlyHairThatTouchesPartsMoreSlowly) {
   EXPECT_LT(Parting(1, 0.01), Parting(0.7f, 0.01));
   EXPECT_GT(Parting(1, 0.01), 0);
   EXPECT_NEAR(Parting(1, 0.0121), 0.05, 1e-6);  // Out of range.
+}
+
+TEST(WispImpulseTest, NoImpulseIsMoreThanItCouldNeed) {
+  // A push that strands have failed to turn into velocities, as no strand does.
+  for (const float before : {1e-3f, 1.0f, 1e30f}) {
+    WispPair pair{};
+    pair.normal = Eigen::Vector3f::UnitY();
+    pair.impulse = before * Eigen::Vector3f(0.5f, 1, 0);
+    pair.inverse_mass[0] = pair.inverse_mass[1] = 1e5f;
+    pair.normal_mass = pair.sliding_mass = 5e-6f;
+    pair.resistance = 1;
+    pair.target = 10;
+    pair.leaving = 1;
+    pair.friction = 1;
+    pair.nearness = 1;
+    pair.velocity[0] = {0, -2, 0};
+    pair.velocity[1] = {0, 1, 0};
+    ReviseImpulse(pair);
+    EXPECT_GE(pair.impulse.y(), 0);
+    EXPECT_LE(pair.impulse.norm(), 1.0001 * 64 * 5e-6 * (2 * 3 + 1)) << before;  // (H12)
+    pair.velocity[0].x() = std::numeric_limits<float>::quiet_NaN();
+    ReviseImpulse(pair);
+    EXPECT_EQ(pair.impulse.norm(), 0);
+  }
 }
 
 TEST(WispImpulseTest, OnePassOfACollisionTellsHowHeavyStrandsAre) {

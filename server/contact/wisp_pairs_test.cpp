@@ -86,6 +86,7 @@ TEST(WispPairsTest, WhereverGuidesComeWithinTheirRadiiThereIsAPair) {
     tracking.Begin(hair);
     std::map<std::pair<int, int>, float> nearest;
     for (const WispPair& pair : tracking.tracker.pairs()) {
+      for (const int32_t point : pair.point) EXPECT_GE(point % 30, 2);  // Roots take no part.
       const auto [at, added] = nearest.try_emplace({pair.guide[0], pair.guide[1]}, 1.0f);
       at->second = std::min(at->second, pair.gap + pair.reference);
     }
