@@ -1,0 +1,110 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace mane::contact {
+
+/// An axis-aligned box around what a segment of a guide may meet in a step.
+struct SegmentBox {
+  Eigen::Array3f low, high;  ///< [m]
+  int32_t guide = -1;        ///< -1: no segment.
+
+  [[nodiscard]] bool Overlaps(const SegmentBox& other) const {
+    bool apart = false;
+    for (int i = 0; i < 3; ++i) apart |= (low[i] > other.high[i]) | (other.low[i] > high[i]);
+    return !apart;
+  }
+};
+
+/// Finds boxes of different guides that overlap, by the cells that their middles lie in: uniform
+/// grids, one for boxes of about the mean size and others for those that are twice, four times ...
+/// as large. Space repeats itself after as many cells as a grid has, which costs tests far from the
+/// middle of the hair, and no answer.
+///
+/// Build is linear in the boxes and serial; queries are const and thread-safe. Memory is kept: no
+/// allocation once it has seen as many. The same boxes give the same order of answers always.
+class SegmentGrid {
+ public:
+  /// @param boxes  by guide; looked at until the next Build.
+  void Build(std::span<const SegmentBox> boxes);
+
+  /// Calls visit(b) once for each box b that overlaps box a and belongs to a later guide.
+  template <typename Visit>
+  void ForOverlapping(int a, const Visit& visit) const {
+    const SegmentBox& box = boxes_[static_cast<size_t>(a)];
+    if (box.guide < 0) return;
+    for (const Level& level : levels_) {
+      if (level.boxes.empty()) continue;
+      const Cells cells = level.CellsAround(box);
+      const int mask = level.mask();
+      for (int z = cells.low[2]; z <= cells.high[2]; ++z) {
+        for (int y = cells.low[1]; y <= cells.high[1]; ++y) {
+          // A row of cells is a stretch of boxes, or two where it goes round.
+          const int low = cells.low[0] & mask, high = cells.high[0] & mask;
+          if (low <= high) {
+            VisitRow(level, level.Index(low, y, z), level.Index(high, y, z), box, visit);
+          } else {
+            VisitRow(level, level.Index(0, y, z), level.Index(high, y, z), box, visit);
+            VisitRow(level, level.Index(low, y, z), level.Index(mask, y, z), box, visit);
+          }
+        }
+      }
+    }
+  }
+
+  /// About as many tests as the queries of all boxes will make.
+  [[nodiscard]] double tests() const { return tests_; }
+
+ private:
+  static constexpr size_t kLevels = 6;
+
+  struct Cells {
+    Eigen::Array3i low, high;
+  };
+  // A grid of 2^(3 bits) cells.
+  struct Level {
+    float inverse_cell = 1;
+    float largest = 0;  // Box in it [m].
+    int bits = 1;
+    std::vector<int32_t> start;     // By cell, and their number.
+    std::vector<SegmentBox> boxes;  // By cell, of a cell in their order,
+    std::vector<int32_t> index;     // and which of all they are.
+
+    [[nodiscard]] int mask() const { return (1 << bits) - 1; }
+
+    [[nodiscard]] size_t Index(int x, int y, int z) const {
+      return static_cast<size_t>(((z & mask()) << bits | (y & mask())) << bits | (x & mask()));
+    }
+    // Those with the middles of boxes that may overlap `box`.
+    [[nodiscard]] Cells CellsAround(const SegmentBox& box) const {
+      const Cells cells{((box.low - 0.5f * largest) * inverse_cell).floor().cast<int>(),
+                        ((box.high + 0.5f * largest) * inverse_cell).floor().cast<int>()};
+      return {cells.low, cells.high.min(cells.low + mask())};
+    }
+    void Fill(std::span<const SegmentBox> all, std::span<const int8_t> level_of, int level);
+  };
+
+  // Those of the cells [first, last].
+  template <typename Visit>
+  static void VisitRow(const Level& level, size_t first, size_t last, const SegmentBox& box,
+                       const Visit& visit) {
+    const auto end = static_cast<size_t>(level.start[last + 1]);
+    for (auto k = static_cast<size_t>(level.start[first]); k < end; ++k) {
+      const SegmentBox& other = level.boxes[k];
+      if (other.guide > box.guide && box.Overlaps(other)) visit(level.index[k]);
+    }
+  }
+
+  std::span<const SegmentBox> boxes_;
+  std::array<Level, kLevels> levels_;
+  std::vector<int8_t> level_of_;  // By box; -1 for none.
+  double tests_ = 0;
+};
+
+}  // namespace mane::contact

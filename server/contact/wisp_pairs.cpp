@@ -1,0 +1,263 @@
+#include "contact/wisp_pairs.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <tuple>
+#include <utility>
+
+#include "contact/wisp_impulse.h"
+#include "rod/scheme.h"
+
+namespace mane::contact {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+using Contact = WispScratch::Contact;
+
+constexpr int kGuidesAPiece = 8;
+constexpr int kPairsAPiece = 256;
+constexpr int kPointsAPiece = 1024;
+// A pair goes on along its guides by this many segments within a step.
+constexpr float kFarthestFollowed = 2.5f;
+// A push that stops the pair at no more than this goes on; larger ones may double in a step [m/s].
+constexpr float kCarried = 0.3f;
+// What slides no faster goes on being held [m/s].
+constexpr float kSticking = 0.02f;
+constexpr float kLostCrossed = 2;  // Wisps that crossed and are this many radii apart are let go.
+
+auto GuidesOf(const WispPair& pair) { return std::tie(pair.guide[0], pair.guide[1]); }
+
+// Old pairs of the same two guides.
+std::span<WispPair> OldPairs(std::vector<WispPair>& old, const int32_t guide[2]) {
+  const auto less = [](const WispPair& a, const WispPair& b) { return GuidesOf(a) < GuidesOf(b); };
+  WispPair key{};
+  key.guide[0] = guide[0];
+  key.guide[1] = guide[1];
+  const auto [begin, end] = std::equal_range(old.begin(), old.end(), key, less);
+  return {begin, end};
+}
+
+// How far a pair would have to go along the guides [segments].
+float Along(const WispPair& old, const Contact& contact) {
+  float sum = 0;
+  for (int k = 0; k < 2; ++k) {
+    sum += std::abs(static_cast<float>(contact.point[k] - old.point[k]) + contact.fraction[k] -
+                    old.fraction[k]);
+  }
+  return sum;
+}
+
+// A pair that goes on takes with it what it pushes with, once (H7).
+void Continue(const WispPair& old, bool first, double steps, WispPair& pair) {
+  const float push = old.impulse.dot(old.normal);
+  if (!first || !(push > 0) || !(steps > 0)) return;
+  pair.past_push[0] = push * static_cast<float>(steps);
+  pair.past_push[1] = old.past_push[0] * static_cast<float>(steps);
+  const Eigen::Vector3f& n = pair.normal;
+  const Eigen::Vector3f w = pair.velocity[0] - pair.velocity[1];
+  if ((w - w.dot(n) * n).norm() < kSticking) {
+    pair.held = static_cast<float>(steps) * (old.impulse - old.impulse.dot(n) * n);
+  }
+  pair.rebound = static_cast<float>((1 - rod::kTheta) / rod::kTheta) * push;
+}
+
+// The pairs of one piece of guides: found ones, then those that were crossed and lost sight of.
+void FindPairs(const WispPoints& points, const WispStep& step, const WispSettings& settings,
+               double steps, int begin, int end, WispScratch& scratch, WispScratch::Piece& piece) {
+  FindContacts(points, step, scratch, begin, end, piece);
+  piece.pairs.clear();
+  for (const Contact& contact : piece.contacts) {
+    const WispPair* nearest = nullptr;
+    float least = kFarthestFollowed;
+    for (const WispPair& old : OldPairs(scratch.pairs, contact.guide)) {
+      const float along = Along(old, contact);
+      if (along >= least) continue;
+      least = along;
+      nearest = &old;
+    }
+    piece.pairs.push_back(MakePair(points, step, settings, scratch, contact, nearest));
+    if (!nearest) continue;
+    uint8_t& followed = scratch.followed[static_cast<size_t>(nearest - scratch.pairs.data())];
+    Continue(*nearest, !followed, steps, piece.pairs.back());
+    followed = 1;
+  }
+
+  const auto by_guide = [](const WispPair& pair, int guide) { return pair.guide[0] < guide; };
+  const size_t found = piece.pairs.size();
+  for (auto old = std::lower_bound(scratch.pairs.begin(), scratch.pairs.end(), begin, by_guide);
+       old != scratch.pairs.end() && old->guide[0] < end; ++old) {
+    const auto usable = [&](int k) {
+      const auto p = static_cast<size_t>(old->point[k]);
+      return p < scratch.guide_of.size() && scratch.guide_of[p] == old->guide[k];
+    };
+    if (scratch.followed[static_cast<size_t>(old - scratch.pairs.begin())] || !usable(0) ||
+        !usable(1)) {
+      continue;
+    }
+    const Contact contact = Approach(points, step, old->guide, old->point);
+    const WispPair pair = MakePair(points, step, settings, scratch, contact, &*old);
+    const float reach = SumOfRadii(points, pair.guide);
+    if (contact.start.dot(pair.normal) >= 0 || contact.start.norm() > kLostCrossed * reach) {
+      continue;
+    }
+    piece.pairs.push_back(pair);
+    Continue(*old, true, steps, piece.pairs.back());
+  }
+  if (piece.pairs.size() == found) return;
+  std::sort(piece.pairs.begin(), piece.pairs.end(), [](const WispPair& a, const WispPair& b) {
+    return std::tie(a.guide[0], a.guide[1], a.point[0], a.point[1]) <
+           std::tie(b.guide[0], b.guide[1], b.point[0], b.point[1]);
+  });
+}
+
+// Lists the pairs' ends by segment.
+void ListEnds(std::span<const WispPair> pairs, size_t points, WispScratch& scratch) {
+  auto& first = scratch.first_end;
+  first.assign(points + 1, 0);
+  for (const WispPair& pair : pairs) {
+    for (const int32_t point : pair.point) ++first[static_cast<size_t>(point)];
+  }
+  int32_t sum = 0;
+  for (int32_t& k : first) k = sum += k;
+  scratch.ends.resize(static_cast<size_t>(sum));
+  for (size_t i = pairs.size(); i-- > 0;) {
+    for (int side = 2; side-- > 0;) {
+      const auto point = static_cast<size_t>(pairs[i].point[side]);
+      scratch.ends[static_cast<size_t>(--first[point])] = {static_cast<int32_t>(i), side};
+    }
+  }
+}
+
+// Calls visit(pair, side, weight) for the pairs that act on a point, always in one order.
+template <typename Visit>
+void ForPairsAt(size_t point, std::span<const WispPair> pairs, const WispScratch& scratch,
+                const Visit& visit) {
+  for (size_t segment = point - (point > 0); segment <= point; ++segment) {
+    for (int32_t e = scratch.first_end[segment]; e < scratch.first_end[segment + 1]; ++e) {
+      const WispScratch::End& end = scratch.ends[static_cast<size_t>(e)];
+      const WispPair& pair = pairs[static_cast<size_t>(end.pair)];
+      const float s = pair.fraction[end.side];
+      visit(pair, end.side, segment == point ? 1 - s : s);
+    }
+  }
+}
+
+// (H6): a point's mass is shared by the pairs that may act on it.
+void ShareMasses(const WispPoints& points, float dt, std::span<WispPair> pairs,
+                 WispScratch& scratch, exec::WorkerPool& pool) {
+  scratch.share.resize(points.mass.size());
+  pool.ParallelFor(points.size(), kPointsAPiece, [&](int begin, int end) {
+    for (auto p = static_cast<size_t>(begin); p < static_cast<size_t>(end); ++p) {
+      float share = 0;
+      ForPairsAt(p, pairs, scratch, [&](const WispPair& pair, int, float weight) {
+        if (MayTouch(pair, dt)) share += weight;
+      });
+      scratch.share[p] = share;
+    }
+  });
+  pool.ParallelFor(static_cast<int>(pairs.size()), kPairsAPiece, [&](int begin, int end) {
+    for (WispPair& pair :
+         pairs.subspan(static_cast<size_t>(begin), static_cast<size_t>(end - begin))) {
+      for (int k = 0; k < 2; ++k) {
+        const auto p = static_cast<size_t>(pair.point[k]);
+        const float s = pair.fraction[k];
+        pair.inverse_mass[k] = (1 - s) * std::max(1 - s, scratch.share[p]) / points.mass[p] +
+                               s * std::max(s, scratch.share[p + 1]) / points.mass[p + 1];
+      }
+    }
+  });
+}
+
+// (H11): what the last change of impulses tells of the guides' masses.
+void WeighGuides(std::span<const WispPair> pairs, int pass, const WispScratch& scratch,
+                 exec::WorkerPool& pool, std::vector<Heaviness>& heaviness) {
+  pool.ParallelFor(static_cast<int>(heaviness.size()), kGuidesAPiece, [&](int begin, int end) {
+    for (auto g = static_cast<size_t>(begin); g < static_cast<size_t>(end); ++g) {
+      Weighing weighing;
+      const auto first = static_cast<size_t>(scratch.first_point[g]);
+      const auto last = static_cast<size_t>(scratch.first_point[g + 1]);
+      for (int32_t e = scratch.first_end[first]; e < scratch.first_end[last]; ++e) {
+        const WispScratch::End& at = scratch.ends[static_cast<size_t>(e)];
+        weighing.Add(pairs[static_cast<size_t>(at.pair)], at.side, pass);
+      }
+      weighing.Finish(heaviness[g]);
+    }
+  });
+}
+
+// Sums the pairs' impulses at every point (H13).
+void Spread(std::span<const WispPair> pairs, const WispScratch& scratch, exec::WorkerPool& pool,
+            const ImpulseSpans& impulses) {
+  pool.ParallelFor(static_cast<int>(impulses.x.size()), kPointsAPiece, [&](int begin, int end) {
+    for (auto p = static_cast<size_t>(begin); p < static_cast<size_t>(end); ++p) {
+      Vector3d sum = Vector3d::Zero();
+      ForPairsAt(p, pairs, scratch, [&](const WispPair& pair, int side, float weight) {
+        sum += (side == 0 ? weight : -weight) * pair.impulse.cast<double>();
+      });
+      impulses.x[p] = static_cast<float>(sum.x());
+      impulses.y[p] = static_cast<float>(sum.y());
+      impulses.z[p] = static_cast<float>(sum.z());
+    }
+  });
+}
+
+}  // namespace
+
+void WispTracker::Begin(const WispPoints& points, double dt, WispScratch& scratch,
+                        exec::WorkerPool& pool, const ImpulseSpans& impulses) {
+  dt = dt >= 1e-5 ? std::min(dt, 0.25) : 1e-5;
+  const WispStep step{static_cast<float>(dt), static_cast<float>(rod::kTheta * dt)};
+  const double steps = last_dt_ > 0 ? std::min(1.0, dt / last_dt_) : 0;
+  std::swap(pairs_, scratch.pairs);
+  scratch.followed.assign(scratch.pairs.size(), 0);
+
+  BuildGrid(points, step, settings_, scratch, pool);
+  const auto pieces = static_cast<size_t>((points.guides() + kGuidesAPiece - 1) / kGuidesAPiece);
+  if (scratch.pieces.size() < pieces) scratch.pieces.resize(pieces);
+  pool.ParallelFor(points.guides(), kGuidesAPiece, [&](int begin, int end) {
+    FindPairs(points, step, settings_, steps, begin, end, scratch,
+              scratch.pieces[static_cast<size_t>(begin / kGuidesAPiece)]);
+  });
+  pairs_.clear();
+  for (size_t i = 0; i < pieces; ++i) {
+    pairs_.insert(pairs_.end(), scratch.pieces[i].pairs.begin(), scratch.pieces[i].pairs.end());
+  }
+
+  scratch.first_point.assign(points.first.begin(), points.first.end());
+  heaviness_.resize(points.radius.size());
+  ListEnds(pairs_, points.mass.size(), scratch);
+  ShareMasses(points, step.dt, pairs_, scratch, pool);
+  for (WispPair& pair : pairs_) {
+    SetMasses(heaviness_, pair);
+    StartImpulse(pair.gap <= 0 ? std::min(pair.past_push[0], std::max(2 * pair.past_push[1],
+                                                                      kCarried * pair.normal_mass))
+                               : 0,
+                 pair);
+  }
+  last_dt_ = dt;
+  passes_ = 0;
+  Spread(pairs_, scratch, pool, impulses);
+}
+
+void WispTracker::Revise(const VelocitySpans& velocities, WispScratch& scratch,
+                         exec::WorkerPool& pool, const ImpulseSpans& impulses) {
+  const auto for_pairs = [&](const auto& visit) {
+    pool.ParallelFor(static_cast<int>(pairs_.size()), kPairsAPiece, [&](int begin, int end) {
+      for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) visit(pairs_[i]);
+    });
+  };
+  for_pairs([&](WispPair& pair) {
+    for (int k = 0; k < 2; ++k) pair.velocity[k] = SideVelocity(pair, k, velocities);
+  });
+  WeighGuides(pairs_, passes_, scratch, pool, heaviness_);
+  for_pairs([&](WispPair& pair) {
+    SetMasses(heaviness_, pair);
+    ReviseImpulse(pair);
+  });
+  ++passes_;
+  Spread(pairs_, scratch, pool, impulses);
+}
+
+}  // namespace mane::contact
