@@ -137,6 +137,7 @@ GroomInfo FromProto(const v1::Groom& groom) {
   out.etag = groom.etag();
   out.has_scalp = groom.has_scalp();
   if (groom.has_import_summary()) out.import_summary = FromProto(groom.import_summary());
+  out.body_count = groom.body_count();
   for (const v1::BodySummary& body : groom.bodies()) out.bodies.push_back(FromProto(body));
   if (groom.has_scalp_contact()) out.scalp_contact = FromProto(groom.scalp_contact());
   return out;

@@ -55,6 +55,7 @@ TEST(E2eBodies, TheServerTellsWhatHairMeets) {
   ASSERT_TRUE(made) << made.error().message;
   const auto told = client.GetGroom(made->name);
   ASSERT_TRUE(told);
+  EXPECT_EQ(told->body_count, 2u);
   ASSERT_EQ(told->bodies.size(), 2u);
   EXPECT_EQ(told->bodies[0].name, "prop");
   EXPECT_EQ(told->bodies[0].shape, BodySummary::Shape::kMesh);

@@ -64,6 +64,8 @@ def test_every_field_of_a_body_comes_back(client):
     groom = client.create_groom(
         make_guides(2), scalp=scalp, scalp_contact=contact, bodies=sent, display_name="bodies"
     )
+    listed = next(made for made in client.list_grooms() if made.name == groom.name)
+    assert listed.body_count == groom.body_count == 3 and not listed.body_summaries
     ear, arm, collar = groom.body_summaries
     assert (ear.name, ear.shape, ear.moving, ear.mesh) == ("ear", "ellipsoid", False, None)
     assert (arm.name, arm.shape, arm.moving) == ("arm", "capsule", True)

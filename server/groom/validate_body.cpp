@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <set>
+#include <string_view>
 #include <utility>
 
 #include "base/text.h"
@@ -15,17 +15,12 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr size_t kMaxName = 63;
+// As contact::Validate has them.
 constexpr Range kRadiusRange{1e-4, 100, "m"};
 constexpr Range kEndRange{-1000, 1000, "m"};
 
-bool IsAlphanumeric(char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9'); }
-
 Result<void> CheckName(const std::string& path, const std::string& name) {
-  const bool valid =
-      !name.empty() && name.size() <= kMaxName && IsAlphanumeric(name.front()) &&
-      IsAlphanumeric(name.back()) &&
-      std::ranges::all_of(name, [](char c) { return IsAlphanumeric(c) || c == '-' || c == '_'; });
-  if (valid) return {};
+  if (base::IsIdentifier(name, kMaxName, "-_")) return {};
   const std::string field = path + "name";
   return InvalidArgument(field, fmt::format("{} is \"{}\"; it must be 1 to {} of a-z, 0-9, - and "
                                             "_, and begin and end with a letter or digit",

@@ -137,6 +137,7 @@ grpc::ServerUnaryReactor* GroomService::ListGrooms(grpc::CallbackServerContext* 
     if (!page) return page.error();
     for (const storage::GroomRecord& record : page->records) {
       FromRecord(record, response->add_grooms());
+      response->mutable_grooms()->rbegin()->clear_bodies();  // A page of them could be too large.
     }
     response->set_next_page_token(page->next_page_token);
     return {};

@@ -122,7 +122,8 @@ struct GroomInfo {
   std::string etag;  ///< Digest of the content: equal content, equal etag.
   bool has_scalp = false;
   std::optional<ImportSummary> import_summary;  ///< Of a groom made from strands.
-  std::vector<BodySummary> bodies;              ///< That its hair meets, the scalp not among them.
+  std::uint32_t body_count = 0;                 ///< That its hair meets, but for the scalp.
+  std::vector<BodySummary> bodies;              ///< Those; ListGrooms() leaves them out.
   std::optional<ScalpContact> scalp_contact;    ///< Set where its hair meets the scalp.
 };
 

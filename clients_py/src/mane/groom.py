@@ -188,7 +188,8 @@ class Groom:
       etag: digest of the content: equal content, equal etag.
       has_scalp: whether it holds a scalp.
       import_summary: an `ImportSummary` for a groom made from strands, else None.
-      body_summaries: a `BodySummary` of each body that hair meets.
+      body_count: bodies that hair meets, the scalp not among them.
+      body_summaries: a `BodySummary` of each; `list_grooms` leaves them out.
       scalp_contact: a `ScalpContact` where hair meets the scalp, with its numbers; else None.
       guides, scalp, bodies: the content; only `export_groom` fills them.
     """
@@ -206,6 +207,7 @@ class Groom:
     import_summary: ImportSummary | None = None
     guides: tuple[Guide, ...] = ()
     scalp: Mesh | Ellipsoid | None = None
+    body_count: int = 0
     body_summaries: tuple[BodySummary, ...] = ()
     scalp_contact: ScalpContact | None = None
     bodies: tuple[Body, ...] = ()

@@ -284,6 +284,7 @@ def from_groom(message: groom_pb2.Groom) -> Groom:
         etag=message.etag,
         has_scalp=message.has_scalp,
         import_summary=from_import_summary(message.import_summary) if imported else None,
+        body_count=message.body_count,
         body_summaries=tuple(map(body_messages.from_summary, message.bodies)),
         scalp_contact=None if contact is None else body_messages.from_scalp_contact(contact),
     )
