@@ -157,7 +157,7 @@ class GuideGeneration:
         elements to reach it gets 20.
       model: a `StrandModel` or its value; None lets the server choose: WOUND for hair that turns at
         least five times, and more than N / 2 times.
-      wisp_radius_m: of all guides, as in `Guide`; None is 0.
+      wisp_radius_m: of all guides, as in `Guide`.
     """
 
     hair_type: HairType | str
@@ -169,7 +169,7 @@ class GuideGeneration:
     root_droop: float | None = None
     error_target: float | None = None
     model: StrandModel | str | None = None
-    wisp_radius_m: float | None = None
+    wisp_radius_m: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
