@@ -127,6 +127,22 @@ def test_contact_with_the_scalp_needs_a_scalp(client):
         client.create_groom(make_guides(1), scalp_contact=mane.ScalpContact())
 
 
+def test_hair_meets_a_scalp_of_triangles_that_bound_a_solid(client):
+    with pytest.raises(mane.InvalidArgument, match="the scalp that hair meets") as caught:
+        client.create_groom(
+            make_guides(1), scalp=box(sides=4), scalp_contact=mane.ScalpContact("skin")
+        )
+    assert caught.value.field_violations[0].field == "scalp_mesh.triangles"
+    open_box = client.create_groom(make_guides(1), scalp=box(sides=4))  # No contact, no demand.
+    torn = mane.Mesh(box().vertices, box().triangles[:-1])
+    mended = client.create_groom(
+        make_guides(1), scalp=torn, scalp_contact=mane.ScalpContact("skin")
+    )
+    assert mended.scalp_contact.mesh.holes == 1 and mended.scalp_contact.mesh.triangles == 11
+    for groom in (open_box, mended):
+        client.delete_groom(groom)
+
+
 def test_wisps_of_all_kinds_of_guides_have_their_radius(client):
     line = np.outer(np.linspace(0, 0.1, 20), (0, -1, 0))
     generate = mane.GuideGeneration("asian_smooth", 3, 0.1, wisp_radius_m=0.012)
