@@ -6,6 +6,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "head/settle.h"
+
 namespace mane::head {
 namespace {
 
@@ -62,11 +64,26 @@ Result<Bodies::Body> ScalpBody(const groom::Groom& groom, contact::FieldCache* f
                "header.scalp_contact"};
 }
 
+std::vector<Bodies::Group> GroupsOf(const std::vector<Bodies::Body>& bodies) {
+  std::vector<Bodies::Group> groups;
+  Bodies::Group fixed;
+  for (const Bodies::Body& body : bodies) {
+    if (body.moving >= 0) continue;
+    fixed.bodies.bodies.push_back({body.shape, {body.pose, body.pose, 0}});
+    fixed.bodies.frictions.push_back(body.friction);
+  }
+  if (!fixed.bodies.bodies.empty()) groups.push_back(std::move(fixed));
+  for (const Bodies::Body& body : bodies) {
+    if (body.moving < 0) continue;
+    groups.push_back({{{{body.shape, {}}}, {body.friction}}, body.moving});
+  }
+  return groups;
+}
+
 }  // namespace
 
-Result<std::shared_ptr<const Bodies>> MakeBodies(const groom::Groom& groom,
-                                                 contact::FieldCache* fields) {
-  if (groom.bodies.empty() && !groom.scalp_friction) return std::shared_ptr<const Bodies>();
+Result<std::shared_ptr<Bodies>> MakeShapes(const groom::Groom& groom, contact::FieldCache* fields) {
+  if (groom.bodies.empty() && !groom.scalp_friction) return std::shared_ptr<Bodies>();
   auto made = std::make_shared<Bodies>();
   if (groom.scalp_friction) {
     auto scalp = ScalpBody(groom, fields);
@@ -93,7 +110,17 @@ Result<std::shared_ptr<const Bodies>> MakeBodies(const groom::Groom& groom,
                    fmt::format("bodies[{}].mesh", i)};
     }
   }
-  return std::shared_ptr<const Bodies>(std::move(made));
+  made->groups = GroupsOf(made->bodies);
+  return made;
+}
+
+Result<std::shared_ptr<const Bodies>> MakeBodies(const groom::Groom& groom,
+                                                 contact::FieldCache* fields,
+                                                 exec::WorkerPool& pool) {
+  auto made = MakeShapes(groom, fields);
+  if (!made) return made.error();
+  if (*made != nullptr) (*made)->settled = Settle(groom, *made, pool);
+  return std::shared_ptr<const Bodies>(*std::move(made));
 }
 
 const contact::MeshField* FieldOf(const Bodies::Body& body) {

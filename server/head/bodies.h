@@ -5,9 +5,11 @@
 #include <vector>
 
 #include "base/result.h"
+#include "contact/batch_contact.h"
 #include "contact/field_cache.h"
 #include "contact/friction.h"
 #include "contact/shape.h"
+#include "exec/worker_pool.h"
 #include "groom/groom.h"
 #include "math/rigid.h"
 
@@ -21,21 +23,36 @@ struct Bodies {
     math::Pose pose;  ///< groom::Body::pose.
     int moving = -1;  ///< Index among the groom's moving bodies; -1 where it is fixed to the head.
   };
+  /// Bodies that move as one, as steps take them: those fixed to the head, in its frame, then each
+  /// moving one, in its own.
+  struct Group {
+    contact::BodyGroup bodies;
+    int moving = -1;  ///< As of Body.
+  };
   std::vector<Body> bodies;
   int moving_count = 0;
+  std::vector<Group> groups;
+  /// The groom's rest shape among the bodies, on an upright head, as HeadState::guides.
+  std::vector<rod::Row<float>> settled;
 };
 
 /// Distance fields of one groom's bodies together [bytes].
 inline constexpr size_t kMaxFieldBytes = size_t{1} << 30;
 
 /// Bodies of `groom`, its scalp among them where it has a friction, in the groom's order. Fields of
-/// meshes come from `fields`, which takes seconds where they are not there.
+/// meshes come from `fields`, which takes seconds where they are not there. Of `groom` only bodies,
+/// scalp and friction need to be there; hair has not settled yet.
 ///
 /// @return null where hair meets nothing. INVALID_ARGUMENT naming `bodies[i].mesh.triangles` and
 ///   the like, or `scalp_mesh.`, for shapes that cannot be used (contact::Validate,
 ///   MeshField::Build); RESOURCE_EXHAUSTED likewise, and above kMaxFieldBytes.
+[[nodiscard]] Result<std::shared_ptr<Bodies>> MakeShapes(const groom::Groom& groom,
+                                                         contact::FieldCache* fields);
+
+/// The same for heads: hair is let settle, which takes a tenth of a second for 100 guides.
 [[nodiscard]] Result<std::shared_ptr<const Bodies>> MakeBodies(const groom::Groom& groom,
-                                                               contact::FieldCache* fields);
+                                                               contact::FieldCache* fields,
+                                                               exec::WorkerPool& pool);
 
 /// The distance field of a body that is a mesh; else null.
 [[nodiscard]] const contact::MeshField* FieldOf(const Bodies::Body& body);

@@ -2,15 +2,86 @@
 
 #include <utility>
 
+#include "base/check.h"
 #include "head/head.h"
+#include "head/kernels.h"
+#include "simd/isa.h"
 
 namespace mane::head {
+namespace {
 
-void StartContact(const groom::Groom& /*groom*/, std::shared_ptr<const Bodies> bodies,
+const contact::MeetingKernels& Meetings() {
+  static const contact::MeetingKernels& kernels = contact::MeetingKernelsFor(simd::Best());
+  return kernels;
+}
+
+std::span<rod::Row<float>> MemoryOf(int block, Contact* contact) {
+  return std::span(contact->memory)
+      .subspan(contact->blocks[block].first, contact->blocks[block].rows);
+}
+
+// A body that is that far in a step has been cut to another place.
+math::Pose StartOf(const math::Pose& begin, const math::Pose& end, double duration) {
+  return (end.p - begin.p).norm() > kFastestHead * duration ? end : begin;
+}
+
+}  // namespace
+
+void StartContact(const groom::Groom& groom, std::shared_ptr<const Bodies> bodies,
                   HeadState* state) {
-  state->contact = {std::move(bodies), {}};
-  if (state->contact.bodies == nullptr) return;
-  state->contact.moving = BodiesAtRest(*state->contact.bodies, state->pose);
+  Contact& contact = state->contact;
+  contact = {std::move(bodies), {}, {}, {}};
+  if (contact.bodies == nullptr) return;
+  contact.moving = BodiesAtRest(*contact.bodies, state->pose);
+  size_t first = 0;
+  for (const auto& block : groom.batch.blocks()) {
+    const int per_element = contact::PointsPerElement(groom.batch, block);
+    const size_t rows = contact::MemoryRows(block, per_element, contact.bodies->groups.size());
+    contact.blocks.push_back({per_element, first, rows});
+    first += rows;
+  }
+  contact.memory.resize(first);
+  contact::Forget(contact.memory);
+  const std::vector<rod::Row<float>>& settled = contact.bodies->settled;
+  if (!settled.empty()) state->guides = settled;
+}
+
+void ForgetContact(int block, Contact* contact) {
+  if (contact->bodies != nullptr) contact::Forget(MemoryOf(block, contact));
+}
+
+void SetGroupMotions(const Contact& contact, std::span<const math::Pose> targets,
+                     const rod::ClampMotion& head, double begin, double end,
+                     std::vector<contact::GroupMotion>* motions) {
+  motions->clear();
+  if (contact.bodies == nullptr) return;
+  MANE_CHECK(targets.empty() || targets.size() == contact.moving.size());
+  for (const Bodies::Group& group : contact.bodies->groups) {
+    contact::BodyMotion motion{head.begin, head.end, head.dt};
+    if (group.moving >= 0) {
+      const math::Pose& from = contact.moving[group.moving];
+      const math::Pose& to = targets.empty() ? from : targets[group.moving];
+      const math::Pose start = StartOf(from, to, head.dt / (end - begin));
+      motion = {math::Interpolate(start, to, begin), math::Interpolate(start, to, end), head.dt};
+    }
+    motions->push_back(contact::MotionOf(motion, head));
+  }
+}
+
+uint32_t StepAmongBodies(int index, const rod::Batch<float>& batch,
+                         const rod::Batch<float>::Block& block,
+                         std::span<const rod::Row<float>, rod::layout::kDriveRows> drive,
+                         std::span<const contact::GroupMotion> motions,
+                         std::span<rod::Row<float>> state, Contact* contact) {
+  thread_local contact::BatchContactScratch scratch;
+  thread_local std::vector<const contact::BodyGroup*> groups;
+  groups.clear();
+  for (const Bodies::Group& group : contact->bodies->groups) groups.push_back(&group.bodies);
+  const int per_element = contact->blocks[index].per_element;
+  const size_t rows = contact::MemoryRows(block, per_element, groups.size());
+  const contact::BatchContact among{Kernels(), Meetings(), groups, motions, {}};
+  return contact::StepBlockAmong(among, batch, block, per_element, drive,
+                                 MemoryOf(index, contact).first(rows), state, scratch);
 }
 
 }  // namespace mane::head

@@ -1,25 +1,56 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
+#include "contact/batch_contact.h"
 #include "head/bodies.h"
 #include "math/rigid.h"
 #include "rod/batch.h"
+#include "rod/step.h"
 
 namespace mane::head {
 
 /// What a head's hair meets, and what is remembered of it from step to step.
 struct Contact {
+  /// Of a block of the groom's batch, whatever its level of detail.
+  struct Block {
+    int per_element;  ///< Points of each element.
+    size_t first;     ///< In `memory`, and
+    size_t rows;      ///< how many.
+  };
   std::shared_ptr<const Bodies> bodies;  ///< Null before StartContact: hair meets nothing.
   std::vector<math::Pose> moving;        ///< World poses of its moving bodies, (moving_count).
+  std::vector<Block> blocks;
+  std::vector<rod::Row<float>> memory;
 };
 
 struct HeadState;
 
-/// Lets the hair of `state` meet `bodies` from the next Advance on; the moving ones are where they
-/// are at rest. Allocates.
+/// Lets the hair of `state`, which is at full detail, meet `bodies` from the next Advance on. It
+/// lies still in the shape to which it settled among them; the moving ones are where they are at
+/// rest. Allocates.
 void StartContact(const groom::Groom& groom, std::shared_ptr<const Bodies> bodies,
                   HeadState* state);
+
+/// What a block met is forgotten, as it changes its level of detail.
+void ForgetContact(int block, Contact* contact);
+
+/// How every group of bodies moves while the head moves along `head` (rod/step.h): the part of the
+/// way from `contact`'s poses to `targets` (empty: none) between the fractions `begin` and `end`.
+void SetGroupMotions(const Contact& contact, std::span<const math::Pose> targets,
+                     const rod::ClampMotion& head, double begin, double end,
+                     std::vector<contact::GroupMotion>* motions);
+
+/// One step of a block, of the groom's batch or of its level's; as rod::StepBlock.
+///
+/// @param index  of the block in the groom's batch.
+[[nodiscard]] uint32_t StepAmongBodies(
+    int index, const rod::Batch<float>& batch, const rod::Batch<float>::Block& block,
+    std::span<const rod::Row<float>, rod::layout::kDriveRows> drive,
+    std::span<const contact::GroupMotion> motions, std::span<rod::Row<float>> state,
+    Contact* contact);
 
 }  // namespace mane::head

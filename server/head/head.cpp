@@ -20,6 +20,7 @@ struct StepDrive {
   Drive rows;
   double time;
   math::Pose head;
+  std::vector<contact::GroupMotion> bodies;
 };
 
 // Blocks advanced in one piece by one worker: a piece takes longer than handing it over.
@@ -42,6 +43,7 @@ void StopDetail(const groom::Groom& groom, HeadState* state) {
     state->detail.blocks[i].calm = 0;
     if (LevelOf(*state, i) == 0) continue;
     SwitchBlock(groom, i, 0, state->pose, state->guides, &state->detail);
+    ForgetContact(i, &state->contact);
   }
 }
 
@@ -53,6 +55,7 @@ void FinishBlock(const groom::Groom& groom, int i, const Movement& movement, dou
   const int level = ChooseLevel(groom, i, movement.duration, tolerance, state->guides, &detail);
   if (level != LevelOf(*state, i)) {
     SwitchBlock(groom, i, level, movement.target, state->guides, &detail);
+    ForgetContact(i, &state->contact);
   }
 }
 
@@ -75,6 +78,8 @@ void SetDrives(const HeadState& from, const Movement& movement, int steps, int b
     Environment air = environment;
     air.wind = wind.Mean(drive.time);
     rod::SetDrive<float>(motion, air, 0, rod::layout::kLanes, drive.rows);
+    SetGroupMotions(from.contact, movement.bodies, motion, static_cast<double>(i) / steps,
+                    static_cast<double>(i + 1) / steps, &drive.bodies);
   }
 }
 
@@ -95,15 +100,18 @@ void SetEddies(const groom::Groom& groom, const rod::Batch<float>::Block& block,
 }
 
 // One step of one block at its level; bit i is set where lane i failed.
-uint32_t StepAtLevel(const groom::Groom& groom, int i, const Drive& drive, HeadState* state) {
+uint32_t StepAtLevel(const groom::Groom& groom, int i, const StepDrive& drive, const Drive& rows,
+                     HeadState* state) {
   thread_local rod::BatchScratch scratch;
-  if (LevelOf(*state, i) == 0) {
-    return rod::StepBlock<float>(Kernels(), groom.batch, groom.batch.blocks()[i], drive,
-                                 state->guides, scratch);
+  const bool full = LevelOf(*state, i) == 0;
+  const rod::Batch<float>& batch =
+      full ? groom.batch : state->detail.levels->At(i, LevelOf(*state, i)).batch;
+  const rod::Batch<float>::Block& block = batch.blocks()[full ? i : 0];
+  const Rows moving = full ? Rows(state->guides) : CoarseState(groom, i, &state->detail);
+  if (state->contact.bodies != nullptr) {
+    return StepAmongBodies(i, batch, block, rows, drive.bodies, moving, &state->contact);
   }
-  const rod::Batch<float>& batch = state->detail.levels->At(i, LevelOf(*state, i)).batch;
-  return rod::StepBlock<float>(Kernels(), batch, batch.blocks()[0], drive,
-                               CoarseState(groom, i, &state->detail), scratch);
+  return rod::StepBlock<float>(Kernels(), batch, block, rows, moving, scratch);
 }
 
 // All given steps of block `i`. Returns how many strands had to be put to rest.
@@ -117,7 +125,8 @@ int AdvanceBlock(const groom::Groom& groom, int i, std::span<const StepDrive> dr
       windy = drive.rows;
       SetEddies(groom, block, drive, wind, &windy);
     }
-    const uint32_t failed = StepAtLevel(groom, i, wind.turbulent() ? windy : drive.rows, state);
+    const uint32_t failed =
+        StepAtLevel(groom, i, drive, wind.turbulent() ? windy : drive.rows, state);
     for (int lane = 0; failed != 0 && lane < block.count; ++lane) {
       if ((failed >> lane & 1) == 0) continue;
       PutToRest(groom, block.strands[lane], state);
@@ -146,6 +155,11 @@ HeadState AtRest(const groom::Groom& groom, const math::Pose& pose) {
 
 void Reset(const groom::Groom& groom, HeadState* state) {
   for (Detail::Block& block : state->detail.blocks) block.level = 0, block.calm = 0;
+  if (state->contact.bodies != nullptr) {
+    state->guides = state->contact.bodies->settled;
+    contact::Forget(state->contact.memory);
+    return;
+  }
   for (int guide = 0; guide < groom.guide_count(); ++guide) PutToRest(groom, guide, state);
 }
 
@@ -170,6 +184,8 @@ void Teleport(const groom::Groom& groom, const math::Pose& pose, HeadState* stat
   }
   state->detail.velocity = turn * state->detail.velocity;
   state->detail.spin = turn * state->detail.spin;
+  const math::Pose moved = pose * state->pose.Inverse();
+  for (math::Pose& body : state->contact.moving) body = moved * body;
   state->pose = pose;
 }
 

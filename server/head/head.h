@@ -39,13 +39,15 @@ struct HeadState {
 /// The groom's rest shape on a head at `pose`, standing still.
 [[nodiscard]] HeadState AtRest(const groom::Groom& groom, const math::Pose& pose);
 
-/// Puts the hair to its rest shape, standing still; the pose stays.
+/// Puts the hair to its rest shape, or that to which it settled among bodies, standing still; the
+/// pose stays.
 void Reset(const groom::Groom& groom, HeadState* state);
 
 /// Element angles of all guides, or unknowns of wound ones [rad], (coordinates of all guides).
 [[nodiscard]] std::vector<double> Coordinates(const groom::Groom& groom, const HeadState& state);
 
-/// Moves head and hair together as one rigid body: shapes stay, velocities turn along.
+/// Moves head, hair and moving bodies together as one rigid body: shapes stay, velocities turn
+/// along.
 void Teleport(const groom::Groom& groom, const math::Pose& pose, HeadState* state);
 
 using rod::kLongestStep;

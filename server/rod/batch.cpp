@@ -314,6 +314,15 @@ void* BatchScratch::Reserve(size_t bytes) {
 }
 
 template <typename T>
+uint32_t FailedLanes(const Row<T>& size) {
+  uint32_t failed = 0;
+  for (int lane = 0; lane < kLanes; ++lane) {
+    failed |= static_cast<uint32_t>(!(size.lane[lane] < kLargestAngle * kLargestAngle)) << lane;
+  }
+  return failed;
+}
+
+template <typename T>
 uint32_t StepBlock(const KernelTable<T>& kernels, const Batch<T>& batch,
                    const typename Batch<T>::Block& block,
                    std::span<const Row<T>, layout::kDriveRows> drive, std::span<Row<T>> state,
@@ -323,11 +332,7 @@ uint32_t StepBlock(const KernelTable<T>& kernels, const Batch<T>& batch,
   const KindKernels<T>& kind = kernels.Of(block.kind);
   kind.step(N, batch.constants(block), drive[0].lane, state[block.state].lane,
             scratch.Reserve(static_cast<size_t>(N) * kind.scratch_per_element), size.lane);
-  uint32_t failed = 0;
-  for (int lane = 0; lane < kLanes; ++lane) {
-    failed |= static_cast<uint32_t>(!(size.lane[lane] < kLargestAngle * kLargestAngle)) << lane;
-  }
-  return failed;
+  return FailedLanes(size);
 }
 
 // What both number types need.
@@ -340,6 +345,8 @@ template void SetDrive<double>(const ClampMotion&, const Surroundings&, int, int
 template void SetPose<float>(const math::Pose&, int, int, std::span<Row<float>, layout::kPoseRows>);
 template void SetPose<double>(const math::Pose&, int, int,
                               std::span<Row<double>, layout::kPoseRows>);
+template uint32_t FailedLanes<float>(const Row<float>&);
+template uint32_t FailedLanes<double>(const Row<double>&);
 template uint32_t StepBlock<float>(const KernelTable<float>&, const Batch<float>&,
                                    const Batch<float>::Block&,
                                    std::span<const Row<float>, layout::kDriveRows>,

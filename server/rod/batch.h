@@ -127,6 +127,11 @@ class BatchScratch {
   std::vector<Row<float>> rows_;
 };
 
+/// Of what the kernels say of a new state's size: bit i is set where lane i is not finite, or is
+/// wound beyond 1e6 rad an element.
+template <typename T>
+[[nodiscard]] uint32_t FailedLanes(const Row<T>& size);
+
 /// Advances one block by one step, as Step does each of its strands; allocates only while `scratch`
 /// grows.
 ///

@@ -2,9 +2,8 @@
 
 /// Makes the tables of one instruction set; only for batch_kernel_<isa>.cpp, which define MANE_ISA.
 
+#include "rod/batch_loads.h"
 #include "rod/batch_sample.h"
-#include "rod/batch_step.h"
-#include "rod/batch_wound_step.h"
 #include "rod/kernels.h"
 
 namespace mane::rod {
@@ -26,9 +25,55 @@ void SampleBlock(int N, const T* constants, const T* pose, const T* state, int p
   }
 }
 
+// What `approach` leaves of W lanes: their elements, then the shapes of their points.
+template <typename Kernel>
+struct ApproachScratch {
+  using Element = typename Kernel::Element;
+  using PointShape = typename Kernel::PointShape;
+
+  static constexpr int BytesPerElement(int per_element) {
+    return static_cast<int>(sizeof(Element)) + per_element * static_cast<int>(sizeof(PointShape));
+  }
+  ApproachScratch(void* scratch, int N, int per_element, int group)
+      : elements(reinterpret_cast<Element*>(static_cast<char*>(scratch) +
+                                            group * N * BytesPerElement(per_element))),
+        shapes(reinterpret_cast<PointShape*>(elements + N)) {}
+
+  Element* elements;
+  PointShape* shapes;
+};
+
+template <typename T, typename Kernel, int W>
+void ApproachBlock(int N, int per_element, const T* constants, const T* drive, const T* state,
+                   void* scratch, T* points) {
+  for (int lane = 0; lane < layout::kLanes; lane += W) {
+    const ApproachScratch<Kernel> own(scratch, N, per_element, lane / W);
+    Kernel::Approach(N, per_element, constants + lane, drive + lane, state + lane, own.elements,
+                     own.shapes, points + lane);
+  }
+}
+
+template <typename T, typename Kernel, int W>
+void SolveBlock(int N, int per_element, const T* constants, const T* drive, const T* state,
+                const T* loads, const unsigned char* loaded, const unsigned char* watched,
+                void* scratch, T* next, T* velocities, T* size) {
+  for (int lane = 0; lane < layout::kLanes; lane += W) {
+    const ApproachScratch<Kernel> own(scratch, N, per_element, lane / W);
+    Kernel::Solve(N, per_element, constants + lane, drive + lane, state + lane, loads + lane,
+                  loaded, watched, own.elements, own.shapes, next + lane, velocities + lane,
+                  size + lane);
+  }
+}
+
+template <typename Kernel, int W>
+int ApproachBytes(int per_element) {
+  return layout::kLanes / W * ApproachScratch<Kernel>::BytesPerElement(per_element);
+}
+
 template <typename T, typename Kernel, typename Walk, int W>
 constexpr KindKernels<T> MakeKind() {
-  return {&StepBlock<T, Kernel, W>, &SampleBlock<T, Walk, W>, sizeof(typename Kernel::Element)};
+  return {&StepBlock<T, Kernel, W>,     &SampleBlock<T, Walk, W>,  sizeof(typename Kernel::Element),
+          &ApproachBlock<T, Kernel, W>, &SolveBlock<T, Kernel, W>, &ApproachBytes<Kernel, W>};
 }
 
 /// The table for W lanes at a time.

@@ -81,6 +81,27 @@ enum Pose : int {
   kPoseRows = kPosePosition + 3    ///< Rows in all.
 };
 
+/// Rows of a point of the strands where they are linearised (rod.md, S2); of wound ones, of a point
+/// of the axis.
+enum Point : int {
+  kPosition = 0,                  ///< From the head's place at kTheta of the way, world [m] (3).
+  kTangent = kPosition + 3,       ///< Root to tip, world (3).
+  kLastVelocity = kTangent + 3,   ///< That led here, world [m/s] (3).
+  kPointRows = kLastVelocity + 3  ///< Rows in all.
+};
+
+/// Rows of what presses and rubs at a point (rod.md, S13): W = hold (1 - n n^T) + press n n^T.
+/// Masses in rho S l0.
+enum Load : int {
+  kNormal = 0,           ///< n, world (3).
+  kPress = kNormal + 3,  ///< Along n; >= 0.
+  kHold,                 ///< Across n; >= 0.
+  kPush,                 ///< p [m/s] (3).
+  kSurfaceSpeed =
+      kPush + 3,  ///< Along n, which no element leaves faster where press > 0 (S14) [m/s].
+  kLoadRows       ///< Rows in all.
+};
+
 /// Kinds of strand that a block holds; all of one kind.
 enum class Kind { kPlain, kWound };
 

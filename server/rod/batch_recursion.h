@@ -102,6 +102,67 @@ struct Recursion : StumpffOf<T, W> {
     left.b2 += beyond.b2 + Cross(d, beyond.b1);
   }
 
+  /// What presses and rubs at a point (S13).
+  struct PointLoad {
+    Vec normal;
+    V hold, rest;  ///< W = hold 1 + rest n n^T
+    Vec push;
+    V press, surface_speed;
+
+    PointLoad(const T* rows, const V& inverse_unit)
+        : normal(Rows(rows, layout::kNormal)),
+          hold(Row(rows, layout::kHold)),
+          rest(Row(rows, layout::kPress) - hold),
+          push(inverse_unit * Rows(rows, layout::kPush)),
+          press(Row(rows, layout::kPress)),
+          surface_speed(inverse_unit * Row(rows, layout::kSurfaceSpeed)) {}
+
+    [[nodiscard]] Vec Times(const Vec& a) const {
+      return hold * a + (rest * Dot(normal, a)) * normal;
+    }
+    /// Keeps `u` from leaving (S14).
+    void Stop(Vec& u) const {
+      const V over = Dot(normal, u) - surface_speed;
+      u -= (((over > T(0)) & (press > T(0))) ? over : V{}) * normal;
+    }
+  };
+
+  /// Adds a load at `d` from the left end, by the twist of that alone.
+  [[gnu::always_inline]] static void AddLoad(const PointLoad& load, const Vec& d, CostToGo& left) {
+    const Vec n = load.normal, m = Cross(d, n);
+    const V square = load.hold * Dot(d, d);
+    left.A11.xx += load.hold, left.A11.yy += load.hold, left.A11.zz += load.hold;
+    AddOuter(left.A11, load.rest * n, n);
+    AddCrossMatrix(left.A12, -load.hold * d, V{});
+    AddOuter(left.A12, load.rest * n, m);
+    left.A22.xx += square, left.A22.yy += square, left.A22.zz += square;
+    AddOuter(left.A22, -load.hold * d, d);
+    AddOuter(left.A22, load.rest * m, m);
+    left.b1 += load.push;
+    left.b2 += Cross(d, load.push);
+  }
+
+  /// c_n of a point at the fraction s of an element: phi2, phi3, psi2, psi3 of (H5), (H6).
+  struct PointShape {
+    V phi2, phi3, psi2, psi3;
+  };
+  [[gnu::always_inline]] static PointShape ShapeAt(const T& s, const Stumpff<V>& c) {
+    const T s2 = s * s, s3 = s2 * s;
+    return {s2 * c.c2, s3 * c.c3, (s2 * s2) * (T(2) * c.c4 - c.c3),
+            (s2 * s3) * (T(3) * c.c5 - c.c4)};
+  }
+
+  /// Velocities along an element: at the fraction s, velocity + s X1 + phi2 X2 + phi3 X3 + psi2 Y2
+  /// + psi3 Y3.
+  struct Field {
+    Vec X1, X2, X3, Y2, Y3;
+
+    template <typename S>
+    [[nodiscard, gnu::always_inline]] Vec At(const S& s, const PointShape& p) const {
+      return s * X1 + p.phi2 * X2 + p.phi3 * X3 + p.psi2 * Y2 + p.psi3 * Y3;
+    }
+  };
+
   /// Stiffness k with the friction that it needs at least (S3, S10).
   [[gnu::always_inline]] static V Damped(const V& k, const V& friction) {
     const V least = T(kLeastFriction) * k;

@@ -29,10 +29,13 @@ class StrandStep : Recursion<T, W> {
   using typename Base::Clamp;
   using typename Base::Constants;
   using typename Base::CostToGo;
+  using typename Base::Field;
+  using typename Base::PointLoad;
   using typename Base::V;
   using typename Base::Vec;
 
  public:
+  using typename Base::PointShape;
   /// What a step keeps of an element between its passes.
   struct Element {
     Frame<V> R;            // Left frame at the linearisation.
@@ -53,7 +56,32 @@ class StrandStep : Recursion<T, W> {
   /// |theta|^2 of each strand, 1e30 where its new state is not finite.
   static void Step(int N, const T* constants, const T* drive, T* state, Element* scratch, T* size);
 
+  /// The same in two parts, with loads in the second (batch_loads.h, which defines both).
+  static void Approach(int N, int per_element, const T* constants, const T* drive, const T* state,
+                       Element* scratch, PointShape* shapes, T* points);
+  static void Solve(int N, int per_element, const T* constants, const T* drive, const T* state,
+                    const T* loads, const unsigned char* loaded, const unsigned char* watched,
+                    Element* scratch, const PointShape* shapes, T* next, T* velocities, T* size);
+
  private:
+  // The part of an element's cost that has its rates v: 1/2 v.H v + v.(Hv1 velocity + Hv2 spin) -
+  // g.v.
+  struct RateCost {
+    Symmetric<V> H;
+    Matrix<V> Hv1, Hv2;
+    Vec g;
+  };
+
+  // What a step does for points of its elements; this one nothing.
+  struct NoLoads {
+    void Add(const V& /*length*/, const Element& /*element*/, RateCost& /*rates*/,
+             CostToGo& /*left*/) const {}
+    void Stop(Vec& /*u*/) const {}
+    void Show(const Field& /*along*/, const Vec& /*velocity*/) const {}
+  };
+  // Loads on one element's points.
+  struct Loads;
+
   // What is taken of the Gauss points: the middle one, sum and difference of the outer ones. So the
   // difference may have an inertia of its own (S12).
   enum Combination { kMiddle, kSum, kDifference };
@@ -65,19 +93,20 @@ class StrandStep : Recursion<T, W> {
     combined[kDifference] = at[2] - at[0];
   }
 
-  // The part of an element's cost that has its rates v: 1/2 v.H v + v.(Hv1 velocity + Hv2 spin) -
-  // g.v.
-  struct RateCost {
-    Symmetric<V> H;
-    Matrix<V> Hv1, Hv2;
-    Vec g;
-  };
-
   static void Linearise(int N, const Clamp& clamp, const V& h, const T* state, Element* elements);
   static void AddInertia(const Constants& step, const V& rotary, const V& length, const T* state,
                          const Element& element, RateCost& rates, CostToGo& left);
   static void AddElasticity(const Constants& step, const Vec& stiffness, const T* constants,
                             const T* state, const Element& element, RateCost& rates);
+  // Of the right end.
+  static PointShape EndShape(const Element& e) {
+    return {e.c2, e.c3, T(2) * e.c4 - e.c3, T(3) * e.c5 - e.c4};
+  }
+  // Where a point at the fraction s is from the left end, and the columns of its velocity per rate
+  // (H6).
+  static void PointColumns(const Element& element, const V& length, const T& s,
+                           const PointShape& shape, Vec& d, Vec (&J)[3]);
+  static Field FieldOf(const Element& element, const V& length, const Vec& spin, const Vec& v);
   // Columns of T of the right end (H5).
   static void EndTurns(const Element& element, Vec (&S)[3]);
   // What lies beyond the right end, whose twist is X (velocity; spin) + S v (S6).
@@ -89,11 +118,18 @@ class StrandStep : Recursion<T, W> {
   static void Eliminate(const RateCost& rates, Element& element, CostToGo& left);
   // Tip to root: one element's costs and those beyond it, without its rates. What only one of the
   // two ends needs is left out at the other.
-  template <bool tip, bool root>
+  template <bool tip, bool root, typename L>
   static void GoThrough(const Constants& step, const V& rotary, const Vec& stiffness,
-                        const T* constants, const T* state, Element& element, CostToGo& beyond);
-  static V Advance(const V& dt, const T* constants, Element& element, Vec& velocity, Vec& spin,
-                   T* state);
+                        const T* constants, const T* state, const L& loads, Element& element,
+                        CostToGo& beyond);
+  template <typename L>
+  static V Advance(const V& dt, const T* constants, const L& loads, Element& element, Vec& velocity,
+                   Vec& spin, const T* state, T* next);
+  // S5 to S7 and S4, after Linearise. `loads_of(Q)` are those of an element.
+  template <typename LoadsOf>
+  static void SolveWith(int N, const Clamp& clamp, const Constants& step, const T* constants,
+                        const T* drive, const T* state, const LoadsOf& loads_of, Element* scratch,
+                        T* next, T* size);
 };
 
 // Root to tip: frames and shapes at the extrapolated angles.
@@ -276,20 +312,9 @@ template <typename T, int W>
 [[gnu::always_inline]] inline void StrandStep<T, W>::AddBeyond(const V& length, const Element& e,
                                                                const CostToGo& beyond,
                                                                RateCost& rates, CostToGo& left) {
-  const Vec d0 = e.R.n0, th = e.th;
-  const V tau = e.tau;
-  Vec S[3];
+  Vec S[3], J[3], d;
   EndTurns(e, S);
-  const V phi2 = length * e.c2, phi3 = length * e.c3;
-  const V psi2 = length * (T(2) * e.c4 - e.c3), psi3 = length * (T(3) * e.c5 - e.c4);
-  const Vec d = (length - e.zeta * phi3) * d0 + phi2 * e.A + (tau * phi3) * th;
-  const Vec C = psi2 * e.A + (psi3 * tau) * th - (psi3 * e.zeta + T(2) * phi3) * d0;
-  const Vec f = phi3 * d0, p = phi2 * d0;
-  const V diagonal = phi3 * tau;
-  Vec J[3] = {f.x * th + th.x * C, f.y * th + th.y * C, f.z * th + th.z * C};
-  J[0].x += diagonal, J[0].y -= p.z, J[0].z += p.y;
-  J[1].x += p.z, J[1].y += diagonal, J[1].z -= p.x;
-  J[2].x -= p.y, J[2].y += p.x, J[2].z += diagonal;
+  PointColumns(e, length, T(1), EndShape(e), d, J);
 
   Vec P[3], Q[3];  // A S, by columns.
   for (int i = 0; i < 3; ++i) {
@@ -311,6 +336,33 @@ template <typename T, int W>
   rates.H.zz += Dot(J[2], P[2]) + Dot(S[2], Q[2]);
 
   AddShifted(beyond, d, left);
+}
+
+template <typename T, int W>
+[[gnu::always_inline]] inline void StrandStep<T, W>::PointColumns(const Element& e, const V& length,
+                                                                  const T& s,
+                                                                  const PointShape& shape, Vec& d,
+                                                                  Vec (&J)[3]) {
+  const Vec d0 = e.R.n0, th = e.th;
+  const V tau = e.tau, phi2 = length * shape.phi2, phi3 = length * shape.phi3;
+  const V psi2 = length * shape.psi2, psi3 = length * shape.psi3;
+  d = (s * length - e.zeta * phi3) * d0 + phi2 * e.A + (tau * phi3) * th;
+  const Vec C = psi2 * e.A + (psi3 * tau) * th - (psi3 * e.zeta + T(2) * phi3) * d0;
+  const Vec f = phi3 * d0, p = phi2 * d0;
+  const V diagonal = phi3 * tau;
+  J[0] = f.x * th + th.x * C, J[1] = f.y * th + th.y * C, J[2] = f.z * th + th.z * C;
+  J[0].x += diagonal, J[0].y -= p.z, J[0].z += p.y;
+  J[1].x += p.z, J[1].y += diagonal, J[1].z -= p.x;
+  J[2].x -= p.y, J[2].y += p.x, J[2].z += diagonal;
+}
+
+template <typename T, int W>
+[[gnu::always_inline]] inline typename StrandStep<T, W>::Field StrandStep<T, W>::FieldOf(
+    const Element& e, const V& length, const Vec& spin, const Vec& v) {
+  const Vec d0 = e.R.n0, lw = length * spin, lv = length * v, B = e.B();
+  const V dot = Dot(e.th, lv);
+  return {Cross(lw, d0), Cross(lw, e.A) + Cross(lv, d0),
+          Cross(lw, B) + e.tau * lv + Dot(d0, lv) * e.th - (T(2) * dot) * d0, dot * e.A, dot * B};
 }
 
 // The rates by the left end's twist, and the cost of that alone (S7).
@@ -338,9 +390,10 @@ template <typename T, int W>
 // Root to tip: rates from the left end's twist, the new state, the right end's twist. Returns a sum
 // that is finite just where all that is new is.
 template <typename T, int W>
+template <typename L>
 [[gnu::always_inline]] inline typename StrandStep<T, W>::V StrandStep<T, W>::Advance(
-    const V& dt, const T* constants, Element& e, Vec& velocity, Vec& spin, T* state) {
-  const Vec d0 = e.R.n0;
+    const V& dt, const T* constants, const L& loads, Element& e, Vec& velocity, Vec& spin,
+    const T* state, T* new_state) {
   Vec v = e.L.Backward(e.z - e.Z1 * velocity - e.Z2 * spin);
   const V turned = dt * dt * Dot(v, v);
   const auto far = turned > T(kLargestTurn * kLargestTurn);
@@ -348,19 +401,11 @@ template <typename T, int W>
     const V scale = T(kLargestTurn) / simd::MANE_ISA::Sqrt(turned);
     v = (far ? scale : All(1)) * v;
   }
-  // The field is velocity + phi1 X1 + phi2 X2 + phi3 X3 + psi2 Y2 + psi3 Y3.
-  const V length = Row(constants, layout::kLength);
-  const Vec lw = length * spin, lv = length * v, B = e.B();
-  const V dot = Dot(e.th, lv);
-  const Vec X1 = Cross(lw, d0);
-  const Vec X2 = Cross(lw, e.A) + Cross(lv, d0);
-  const Vec X3 = Cross(lw, B) + e.tau * lv + Dot(d0, lv) * e.th - (T(2) * dot) * d0;
-  const Vec Y2 = dot * e.A, Y3 = dot * B;
+  const Field along = FieldOf(e, Row(constants, layout::kLength), spin, v);
   Vec field[kGaussPoints];  // By combinations.
 #pragma GCC unroll 3
   for (int k = 0; k < kGaussPoints; ++k) {
-    field[k] =
-        All(kNode[k]) * X1 + e.phi2[k] * X2 + e.phi3[k] * X3 + e.psi2[k] * Y2 + e.psi3[k] * Y3;
+    field[k] = along.At(All(kNode[k]), {e.phi2[k], e.phi3[k], e.psi2[k], e.psi3[k]});
   }
   const V half = All(0.5);
   const Vec u_theta[kGaussPoints] = {velocity + half * (field[kSum] - field[kDifference]),
@@ -370,31 +415,32 @@ template <typename T, int W>
 #pragma GCC unroll 3
   for (int g = 0; g < kGaussPoints; ++g) {
     const Vec u = Rows(state, layout::kVelocities + 3 * g);
-    const Vec next = u + All(1 / kTheta) * (u_theta[g] - u);
-    Put(next, state, layout::kVelocities + 3 * g);
+    Vec next = u + All(1 / kTheta) * (u_theta[g] - u);
+    loads.Stop(next);
+    Put(next, new_state, layout::kVelocities + 3 * g);
     sum += next.x + next.y + next.z;
   }
+  loads.Show(along, velocity);
   const Vec rate = TransposeTimes(e.R, v);
   const Vec q = Rows(state, layout::kAngles) + dt * rate;
-  Put(rate, state, layout::kRates);
-  Put(q, state, layout::kAngles);
-  velocity += X1 + e.c2 * X2 + e.c3 * X3 + (T(2) * e.c4 - e.c3) * Y2 + (T(3) * e.c5 - e.c4) * Y3;
+  Put(rate, new_state, layout::kRates);
+  Put(q, new_state, layout::kAngles);
+  velocity += along.At(All(1), EndShape(e));
   spin += EndTurn(e.th, v, e.c2, e.c3);
   return sum + (q.x + q.y + q.z);
 }
 
 template <typename T, int W>
-template <bool tip, bool root>
-[[gnu::always_inline]] inline void StrandStep<T, W>::GoThrough(const Constants& step,
-                                                               const V& rotary,
-                                                               const Vec& stiffness,
-                                                               const T* constants, const T* state,
-                                                               Element& e, CostToGo& beyond) {
+template <bool tip, bool root, typename L>
+[[gnu::always_inline]] inline void StrandStep<T, W>::GoThrough(
+    const Constants& step, const V& rotary, const Vec& stiffness, const T* constants,
+    const T* state, const L& loads, Element& e, CostToGo& beyond) {
   const V length = Row(constants, layout::kLength);
   RateCost rates{};
   CostToGo left{};
   AddInertia(step, rotary, length, state, e, rates, left);
   AddElasticity(step, stiffness, constants, state, e, rates);
+  loads.Add(length, e, rates, left);
   const Vec B = e.B(), end = e.R.n0 + e.c2 * e.A + e.c3 * B;
   const Vec centre = All(0.5) * e.R.n0 + e.c3 * e.A + e.c4 * B;
   if constexpr (tip) beyond = CostToGo{};
@@ -411,14 +457,12 @@ template <bool tip, bool root>
 }
 
 template <typename T, int W>
-void StrandStep<T, W>::Step(int N, const T* constants, const T* drive, T* state, Element* scratch,
-                            T* size) {
-  const Clamp clamp = ReadClamp(constants, drive);
-  const Constants step = Prepare(constants, drive, clamp.velocity);
+template <typename LoadsOf>
+[[gnu::always_inline]] inline void StrandStep<T, W>::SolveWith(
+    int N, const Clamp& clamp, const Constants& step, const T* constants, const T* drive,
+    const T* state, const LoadsOf& loads_of, Element* scratch, T* next, T* size) {
   const Vec stiffness = Rows(constants, layout::kStiffness);
   const V rotary = Row(constants, layout::kRotaryInertia);
-  Linearise(N, clamp, step.h, state, scratch);
-
   constexpr int kConstants = layout::kConstantsPerElement * layout::kLanes;
   constexpr int kState = layout::kStatePerElement * layout::kLanes;
   const T* element_constants = constants + layout::kFirstElement * layout::kLanes;
@@ -430,7 +474,7 @@ void StrandStep<T, W>::Step(int N, const T* constants, const T* drive, T* state,
     Expect(next_constants + layout::kFirstElement * layout::kLanes + Q * kConstants,
            layout::kConstantsPerElement);
     GoThrough<tip, root>(step, rotary, stiffness, element_constants + Q * kConstants,
-                         state + Q * kState, scratch[Q], beyond);
+                         state + Q * kState, loads_of(Q), scratch[Q], beyond);
   };
   if (N == 1) {
     go.template operator()<true, true>(0);
@@ -444,14 +488,24 @@ void StrandStep<T, W>::Step(int N, const T* constants, const T* drive, T* state,
   Vec velocity = clamp.velocity, spin = clamp.spin;
   V sum{}, largest{};
   for (int Q = 0; Q < N; ++Q) {
-    sum += Advance(dt, element_constants + Q * kConstants, scratch[Q], velocity, spin,
-                   state + Q * kState);
-    const Vec q = Rows(state + Q * kState, layout::kAngles);
+    sum += Advance(dt, element_constants + Q * kConstants, loads_of(Q), scratch[Q], velocity, spin,
+                   state + Q * kState, next + Q * kState);
+    const Vec q = Rows(next + Q * kState, layout::kAngles);
     const V square = Dot(q, q);
     largest = square > largest ? square : largest;
   }
   const auto finite = (sum < T(1e30)) & (sum > T(-1e30));
   simd::MANE_ISA::Store(finite ? largest : All(1e30), size);
+}
+
+template <typename T, int W>
+void StrandStep<T, W>::Step(int N, const T* constants, const T* drive, T* state, Element* scratch,
+                            T* size) {
+  const Clamp clamp = ReadClamp(constants, drive);
+  const Constants step = Prepare(constants, drive, clamp.velocity);
+  Linearise(N, clamp, step.h, state, scratch);
+  SolveWith(
+      N, clamp, step, constants, drive, state, [](int) { return NoLoads{}; }, scratch, state, size);
 }
 
 }  // namespace MANE_ISA

@@ -30,10 +30,13 @@ class WoundStep : WoundAxis<T, W> {
   using typename Base::Clamp;
   using typename Base::Constants;
   using typename Base::CostToGo;
+  using typename Base::Field;
+  using typename Base::PointLoad;
   using typename Base::V;
   using typename Base::Vec;
 
  public:
+  using typename Base::PointShape;
   static constexpr int n = 4;
 
   /// What a step keeps of an element between its passes.
@@ -57,6 +60,13 @@ class WoundStep : WoundAxis<T, W> {
   /// As StrandStep::Step; `size` gets the largest |x|^2.
   static void Step(int N, const T* constants, const T* drive, T* state, Element* scratch, T* size);
 
+  /// The same in two parts, with loads in the second (batch_loads.h, which defines both).
+  static void Approach(int N, int per_element, const T* constants, const T* drive, const T* state,
+                       Element* scratch, PointShape* shapes, T* points);
+  static void Solve(int N, int per_element, const T* constants, const T* drive, const T* state,
+                    const T* loads, const unsigned char* loaded, const unsigned char* watched,
+                    Element* scratch, const PointShape* shapes, T* next, T* velocities, T* size);
+
  private:
   // The part of an element's cost that has its rates v: 1/2 v.H v + v.(Hv1 velocity + Hv2 spin) -
   // g.v, H its lower triangle, Hv by rows.
@@ -65,6 +75,16 @@ class WoundStep : WoundAxis<T, W> {
     Vec Hv1[n], Hv2[n];
     V g[n];
   };
+  // What a step does for points of its elements; this one nothing.
+  struct NoLoads {
+    void Add(const V& /*length*/, const Element& /*element*/, RateCost& /*rates*/,
+             CostToGo& /*left*/) const {}
+    void Stop(Vec& /*u*/) const {}
+    void Show(const Field& /*along*/, const Vec& /*velocity*/) const {}
+  };
+  // Loads on points of one element's axis.
+  struct Loads;
+
   // Columns of the derivatives of a point and of the frame there by the unknowns.
   struct Columns {
     Vec J[n];
@@ -93,8 +113,26 @@ class WoundStep : WoundAxis<T, W> {
   static void AddBeyond(const V& length, const Element& e, const Turns& turns,
                         const CostToGo& beyond, RateCost& rates, CostToGo& left);
   static void Eliminate(const RateCost& rates, Element& e, CostToGo& left);
-  static V Advance(const V& dt, const T* constants, const Element& e, Vec& velocity, Vec& spin,
-                   T* state);
+  // Velocities along the axis for unknowns' rates v.
+  static Field FieldOf(const Element& element, const V& length, const Vec& spin, const V (&v)[n]);
+  static PointShape EndShape(const Element& e) {
+    return {e.c2, e.c3, T(2) * e.c4 - e.c3, T(3) * e.c5 - e.c4};
+  }
+  template <typename L>
+  static V Advance(const V& dt, const T* constants, const L& loads, const Element& e, Vec& velocity,
+                   Vec& spin, const T* state, T* next);
+  // The clamp of the axis, which starts off the hair (C10).
+  static Clamp AxisClamp(const T* constants, const T* drive) {
+    Clamp clamp = ReadClamp(constants, drive);
+    const T* const own = constants + layout::kFirstElement * layout::kLanes;
+    clamp.velocity += Cross(clamp.spin, Row(own, layout::kRadius) * clamp.root.n2);
+    return clamp;
+  }
+  // S5 to S7 and S4, after Linearise. `loads_of(Q)` are those of an element.
+  template <typename LoadsOf>
+  static void SolveWith(int N, const Clamp& clamp, const Constants& step, const T* constants,
+                        const T* drive, const T* state, const LoadsOf& loads_of, Element* scratch,
+                        T* next, T* size);
 };
 
 template <typename T, int W>
@@ -314,8 +352,22 @@ template <typename T, int W>
 // Root to tip: rates from the left end's twist, the new state, the right end's twist. Returns a sum
 // that is finite just where all that is new is.
 template <typename T, int W>
+[[gnu::always_inline]] inline typename WoundStep<T, W>::Field WoundStep<T, W>::FieldOf(
+    const Element& e, const V& length, const Vec& spin, const V (&v)[n]) {
+  const Vec turn = e.R * e.axis.AngleRates(v);
+  const V lengthening = length * e.axis.StretchRate(v), scale = length * e.axis.stretch;
+  const Vec d0 = e.R.n0, B = e.B(), lw = scale * spin, lv = scale * turn;
+  const V dot = Dot(e.th, lv), tau = e.axis.beta.x;
+  return {Cross(lw, d0) + lengthening * d0, Cross(lw, e.A) + Cross(lv, d0) + lengthening * e.A,
+          Cross(lw, B) + tau * lv + Dot(d0, lv) * e.th - (T(2) * dot) * d0 + lengthening * B,
+          dot * e.A, dot * B};
+}
+
+template <typename T, int W>
+template <typename L>
 [[gnu::always_inline]] inline typename WoundStep<T, W>::V WoundStep<T, W>::Advance(
-    const V& dt, const T* constants, const Element& e, Vec& velocity, Vec& spin, T* state) {
+    const V& dt, const T* constants, const L& loads, const Element& e, Vec& velocity, Vec& spin,
+    const T* state, T* new_state) {
   V v[n], turned{};
   for (int i = 0; i < n; ++i) v[i] = e.z[i] - Dot(e.Z1[i], velocity) - Dot(e.Z2[i], spin);
   e.L.Backward(v);
@@ -325,52 +377,44 @@ template <typename T, int W>
     const V scale = far ? T(kLargestTurn) / simd::MANE_ISA::Sqrt(turned) : All(1);
     for (int i = 0; i < n; ++i) v[i] *= scale;
   }
-  // Of the axis: velocity + phi1 X1 + phi2 X2 + phi3 X3 + psi2 Y2 + psi3 Y3; a bead turns about it.
-  const V length = Row(constants, layout::kLength), stretch = e.axis.stretch;
-  const Vec rates = e.axis.AngleRates(v), turn = e.R * rates;
-  const V lengthening = length * e.axis.StretchRate(v), scale = length * stretch;
-  const Vec d0 = e.R.n0, B = e.B(), lw = scale * spin, lv = scale * turn;
-  const V dot = Dot(e.th, lv), tau = e.axis.beta.x;
-  const Vec X1 = Cross(lw, d0) + lengthening * d0;
-  const Vec X2 = Cross(lw, e.A) + Cross(lv, d0) + lengthening * e.A;
-  const Vec X3 = Cross(lw, B) + tau * lv + Dot(d0, lv) * e.th - (T(2) * dot) * d0 + lengthening * B;
-  const Vec Y2 = dot * e.A, Y3 = dot * B;
+  // A bead turns about the axis.
+  const V length = Row(constants, layout::kLength);
+  const Field along = FieldOf(e, length, spin, v);
+  const Vec turn = e.R * e.axis.AngleRates(v);
   const Vec once = Cross(e.th, turn), twice = Cross(e.th, once);
   V sum{};
 #pragma GCC unroll 4
   for (int g = 0; g < kBeads; ++g) {
     const V s = All(kBeadRule.nodes[g]), phi2 = e.phi2[g], phi3 = e.phi3[g];
     const Vec here = spin + s * turn + phi2 * once + phi3 * twice;
-    const Vec u_theta = velocity + s * X1 + phi2 * X2 + phi3 * X3 + e.psi2[g] * Y2 +
-                        e.psi3[g] * Y3 + length * Cross(here, e.bead[g]);
+    const Vec u_theta = velocity + along.At(s, {phi2, phi3, e.psi2[g], e.psi3[g]}) +
+                        length * Cross(here, e.bead[g]);
     const Vec u = Rows(state, layout::kBeadVelocities + 3 * g);
-    const Vec next = u + All(1 / kTheta) * (u_theta - u);
-    Put(next, state, layout::kBeadVelocities + 3 * g);
+    Vec next = u + All(1 / kTheta) * (u_theta - u);
+    loads.Stop(next);
+    Put(next, new_state, layout::kBeadVelocities + 3 * g);
     sum += next.x + next.y + next.z;
   }
+  loads.Show(along, velocity);
   for (int i = 0; i < n; ++i) {
     const V x = Row(state, layout::kUnknowns + i) + dt * v[i];
-    Put(v[i], state, layout::kUnknownRates + i);
-    Put(x, state, layout::kUnknowns + i);
+    Put(v[i], new_state, layout::kUnknownRates + i);
+    Put(x, new_state, layout::kUnknowns + i);
     sum += x;
   }
   spin += turn + e.c2 * once + e.c3 * twice;
-  velocity += X1 + e.c2 * X2 + e.c3 * X3 + (T(2) * e.c4 - e.c3) * Y2 + (T(3) * e.c5 - e.c4) * Y3;
+  velocity += along.At(All(1), EndShape(e));
   return sum;
 }
 
 template <typename T, int W>
-void WoundStep<T, W>::Step(int N, const T* constants, const T* drive, T* state, Element* scratch,
-                           T* size) {
+template <typename LoadsOf>
+[[gnu::always_inline]] inline void WoundStep<T, W>::SolveWith(
+    int N, const Clamp& clamp, const Constants& step, const T* constants, const T* drive,
+    const T* state, const LoadsOf& loads_of, Element* scratch, T* next, T* size) {
   constexpr int kConstants = layout::kConstantsPerWoundElement * layout::kLanes;
   constexpr int kState = layout::kStatePerWoundElement * layout::kLanes;
   const T* const own = constants + layout::kFirstElement * layout::kLanes;
-  Clamp clamp = ReadClamp(constants, drive);
-  // The axis starts off the hair (C10).
-  clamp.velocity += Cross(clamp.spin, Row(own, layout::kRadius) * clamp.root.n2);
-  const Constants step = Prepare(constants, drive, clamp.velocity);
-  Linearise(N, clamp, step.h, own, state, scratch);
-
   CostToGo beyond{};
   for (int Q = N - 1; Q >= 0; --Q) {
     Element& e = scratch[Q];
@@ -381,6 +425,7 @@ void WoundStep<T, W>::Step(int N, const T* constants, const T* drive, T* state, 
     CostToGo left{};
     AddInertia(step, length, state + Q * kState, e, turns, rates, left);
     AddElasticity(step, element, state + Q * kState, rates);
+    loads_of(Q).Add(length, e, rates, left);
     const V stretch = e.axis.stretch;
     const Vec end = stretch * (e.R.n0 + e.c2 * e.A + e.c3 * e.B());
     const Vec centre = stretch * (All(0.5) * e.R.n0 + e.c3 * e.A + e.c4 * e.B());
@@ -396,16 +441,27 @@ void WoundStep<T, W>::Step(int N, const T* constants, const T* drive, T* state, 
   Vec velocity = clamp.velocity, spin = clamp.spin;
   V sum{}, largest{};
   for (int Q = 0; Q < N; ++Q) {
-    sum += Advance(dt, own + Q * kConstants, scratch[Q], velocity, spin, state + Q * kState);
+    sum += Advance(dt, own + Q * kConstants, loads_of(Q), scratch[Q], velocity, spin,
+                   state + Q * kState, next + Q * kState);
     V square{};
     for (int i = 0; i < n; ++i) {
-      const V x = Row(state + Q * kState, layout::kUnknowns + i);
+      const V x = Row(next + Q * kState, layout::kUnknowns + i);
       square += x * x;
     }
     largest = square > largest ? square : largest;
   }
   const auto finite = (sum < T(1e30)) & (sum > T(-1e30));
   simd::MANE_ISA::Store(finite ? largest : All(1e30), size);
+}
+
+template <typename T, int W>
+void WoundStep<T, W>::Step(int N, const T* constants, const T* drive, T* state, Element* scratch,
+                           T* size) {
+  const Clamp clamp = AxisClamp(constants, drive);
+  const Constants step = Prepare(constants, drive, clamp.velocity);
+  Linearise(N, clamp, step.h, constants + layout::kFirstElement * layout::kLanes, state, scratch);
+  SolveWith(
+      N, clamp, step, constants, drive, state, [](int) { return NoLoads{}; }, scratch, state, size);
 }
 
 }  // namespace MANE_ISA

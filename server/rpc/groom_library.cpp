@@ -96,7 +96,7 @@ Result<StoredContact> GroomLibrary::PrepareContact(const groom::Parts& parts) {
   groom.bodies = parts.bodies;
   groom.scalp_friction = parts.scalp_friction;
   if (groom.scalp_friction) groom.scalp = parts.scalp;
-  const auto bodies = bodies_.Make(groom);
+  const auto bodies = bodies_.MakeShapes(groom);
   if (!bodies) return bodies.error();
   return DescribeContact(groom, bodies->get());
 }

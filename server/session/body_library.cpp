@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <vector>
+
 namespace mane::session {
 namespace {
 
@@ -20,13 +22,13 @@ Result<BodyLibrary::BodiesPtr> BodyLibrary::FindOrMake(const GroomPtr& groom) {
     std::lock_guard lock(mutex_);
     if (BodiesPtr found = FindLocked(groom)) return found;
   }
-  auto made = Make(*groom);
+  auto made = head::MakeBodies(*groom, &fields_, pool_);
   if (!made) return made;
   std::lock_guard lock(mutex_);
   if (BodiesPtr found = FindLocked(groom)) return found;  // Another one was faster.
-  std::erase_if(bodies_, [](const auto& item) { return item.second.expired(); });
-  const size_t bytes = UsedBytesLocked(*made);
-  if (bytes > options_.max_used_bytes) {
+  std::erase_if(bodies_, [](const auto& item) { return item.first.expired(); });
+  for (size_t bytes; (bytes = BytesLocked(*made)) > options_.max_used_bytes;) {
+    if (DropOneLocked()) continue;
     return Error{ErrorCode::kResourceExhausted,
                  fmt::format("with the meshes that this groom's hair meets, distance fields in use "
                              "would take {} bytes; the server has {}: try again when other heads "
@@ -34,26 +36,35 @@ Result<BodyLibrary::BodiesPtr> BodyLibrary::FindOrMake(const GroomPtr& groom) {
                              bytes, options_.max_used_bytes),
                  ""};
   }
-  bodies_[groom] = *made;
+  bodies_[groom] = {*made, ++clock_};
   return made;
 }
 
-Result<BodyLibrary::BodiesPtr> BodyLibrary::Make(const groom::Groom& groom) {
-  return head::MakeBodies(groom, &fields_);
-}
-
-BodyLibrary::BodiesPtr BodyLibrary::FindLocked(const GroomPtr& groom) const {
+BodyLibrary::BodiesPtr BodyLibrary::FindLocked(const GroomPtr& groom) {
   const auto found = bodies_.find(groom);
-  return found == bodies_.end() ? nullptr : found->second.lock();
+  if (found == bodies_.end()) return nullptr;
+  found->second.used = ++clock_;
+  return found->second.bodies;
 }
 
-size_t BodyLibrary::UsedBytesLocked(const BodiesPtr& more) const {
+size_t BodyLibrary::BytesLocked(const BodiesPtr& more) const {
   std::vector<head::Bodies::Body> all = more->bodies;  // Shares the fields.
-  for (const auto& [groom, bodies] : bodies_) {
-    const BodiesPtr alive = bodies.lock();
-    if (alive != nullptr) all.insert(all.end(), alive->bodies.begin(), alive->bodies.end());
+  for (const auto& [groom, entry] : bodies_) {
+    all.insert(all.end(), entry.bodies->bodies.begin(), entry.bodies->bodies.end());
   }
   return head::FieldBytes(all);
+}
+
+bool BodyLibrary::DropOneLocked() {
+  auto oldest = bodies_.end();
+  for (auto item = bodies_.begin(); item != bodies_.end(); ++item) {
+    if (item->second.bodies.use_count() > 1)
+      continue;  // A copy is made only under mutex_, or of one.
+    if (oldest == bodies_.end() || item->second.used < oldest->second.used) oldest = item;
+  }
+  if (oldest == bodies_.end()) return false;
+  bodies_.erase(oldest);
+  return true;
 }
 
 }  // namespace mane::session

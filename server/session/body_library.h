@@ -1,9 +1,9 @@
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <mutex>
-#include <vector>
 
 #include "base/result.h"
 #include "contact/field_cache.h"
@@ -17,17 +17,18 @@ struct BodyLibraryOptions {
   contact::FieldOptions field;
   /// Of distance fields that are kept though nobody uses them [bytes].
   size_t max_kept_bytes = size_t{1} << 30;
-  /// Of all fields that heads use [bytes], those among them that are kept: a groom whose fields
-  /// come on top is refused. One mesh in several grooms counts once.
+  /// Of the fields of all bodies that are here [bytes]: those that no head uses make room, and a
+  /// groom whose fields still come on top is refused. One mesh in several grooms counts once.
   size_t max_used_bytes = size_t{4} << 30;
   int workers = 1;  ///< That build a field together, >= 1.
 };
 
-/// What the hair of grooms meets, ready for contact: made when a head first needs it, and shared by
-/// all heads of its groom while one of them lives.
+/// What the hair of grooms meets, ready for contact: made when a head first needs it, and kept
+/// while its groom is in memory, for all heads of that groom.
 ///
 /// Threads: every method from any thread. `mutex_` guards what stands below it and is not held
-/// while fields are built, which takes seconds; who asks for the same mesh meanwhile waits.
+/// while fields are built and hair settles, which takes seconds; who asks for the same mesh
+/// meanwhile waits.
 class BodyLibrary {
  public:
   using GroomPtr = std::shared_ptr<const groom::Groom>;
@@ -36,7 +37,7 @@ class BodyLibrary {
   explicit BodyLibrary(const BodyLibraryOptions& options)
       : options_(options), fields_(options.field, options.max_kept_bytes, options.workers) {}
 
-  /// For those who should not wait themselves: builds are FindOrMake's, one after the other.
+  /// For those who should not make them on their own thread; makes one after the other.
   [[nodiscard]] exec::WorkerPool& pool() { return pool_; }
 
   /// Whether FindOrMake(groom) would have to make them.
@@ -46,22 +47,31 @@ class BodyLibrary {
   ///   RESOURCE_EXHAUSTED naming nothing above max_used_bytes.
   [[nodiscard]] Result<BodiesPtr> FindOrMake(const GroomPtr& groom);
 
-  /// Bodies of a groom of which only scalp, bodies and friction need to be there, as FindOrMake has
-  /// them; they are not remembered, but their fields are kept.
-  [[nodiscard]] Result<BodiesPtr> Make(const groom::Groom& groom);
+  /// head::MakeShapes: tries whether FindOrMake could make them; the fields are kept.
+  [[nodiscard]] Result<std::shared_ptr<head::Bodies>> MakeShapes(const groom::Groom& groom) {
+    return head::MakeShapes(groom, &fields_);
+  }
 
  private:
   using Key = std::weak_ptr<const groom::Groom>;
 
-  [[nodiscard]] BodiesPtr FindLocked(const GroomPtr& groom) const;
-  // Of the fields of all bodies that live, and of `more`.
-  [[nodiscard]] size_t UsedBytesLocked(const BodiesPtr& more) const;
+  struct Entry {
+    BodiesPtr bodies;
+    uint64_t used = 0;  // When it was last asked for.
+  };
+
+  [[nodiscard]] BodiesPtr FindLocked(const GroomPtr& groom);
+  // Of the fields of all bodies that are here, and of `more`.
+  [[nodiscard]] size_t BytesLocked(const BodiesPtr& more) const;
+  // Drops the one used longest ago of those that no head uses; false where there is none.
+  bool DropOneLocked();
 
   const BodyLibraryOptions options_;
   contact::FieldCache fields_;
 
-  mutable std::mutex mutex_;
-  std::map<Key, std::weak_ptr<const head::Bodies>, std::owner_less<Key>> bodies_;
+  std::mutex mutex_;
+  std::map<Key, Entry, std::owner_less<Key>> bodies_;
+  uint64_t clock_ = 0;  // Counts what is asked for.
 
   exec::WorkerPool pool_{1};  // Last: its tasks use the rest.
 };

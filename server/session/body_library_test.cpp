@@ -1,4 +1,5 @@
-// Bodies are made once while a head holds them; the fields that heads hold stay within their bytes.
+// Bodies are made once while their groom is in memory; their fields stay within their bytes, and
+// those that no head uses make room.
 
 #include "session/body_library.h"
 
@@ -25,7 +26,7 @@ std::shared_ptr<const groom::Groom> GroomWith(std::shared_ptr<const groom::Body:
   return *groom::Assemble(std::move(parts), {}, nullptr);
 }
 
-TEST(BodyLibraryTest, BodiesAreMadeOnceWhileTheyAreUsed) {
+TEST(BodyLibraryTest, BodiesAreMadeOnceAndSettledAmong) {
   BodyLibrary library({});
   const auto groom = GroomWith(Tetrahedron(0.1f)), other = GroomWith(Tetrahedron(0.1f));
   EXPECT_TRUE(library.Missing(groom));
@@ -38,6 +39,8 @@ TEST(BodyLibraryTest, BodiesAreMadeOnceWhileTheyAreUsed) {
   ASSERT_TRUE(others);
   EXPECT_EQ(FieldOf((*others)->bodies[0]), FieldOf((*bodies)->bodies[0]));  // One mesh, one field.
   ASSERT_NE(FieldOf((*bodies)->bodies[0]), nullptr);
+  EXPECT_FALSE((*bodies)->settled.empty());
+  EXPECT_TRUE((*library.MakeShapes(*groom))->settled.empty());
 }
 
 TEST(BodyLibraryTest, AGroomWhoseHairMeetsNothingHasNone) {
@@ -61,8 +64,10 @@ TEST(BodyLibraryTest, FieldsInUseAreLimited) {
   const auto refused = library.FindOrMake(large);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kResourceExhausted);
+  EXPECT_FALSE(library.Missing(small));
   held = nullptr;  // Its heads are closed.
   EXPECT_TRUE(library.FindOrMake(large));
+  EXPECT_TRUE(library.Missing(small));
 }
 
 TEST(BodyLibraryTest, BadMeshesAreNamed) {

@@ -73,8 +73,8 @@ template <typename M>
 #if defined(__AVX2__)
   if constexpr (sizeof(M) == 32) return _mm256_movemask_epi8(__builtin_bit_cast(__m256i, mask));
 #endif
-  if constexpr (sizeof(M) == sizeof(bool)) {
-    return mask;
+  if constexpr (sizeof(M) <= sizeof(int)) {  // One lane: a bool, or several joined by & and |.
+    return mask != 0;
   } else {
     long long words[sizeof(M) / sizeof(long long)], any = 0;
     __builtin_memcpy(words, &mask, sizeof(M));

@@ -1,0 +1,201 @@
+#include "contact/batch_contact.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/check.h"
+#include "rod/scheme.h"
+
+namespace mane::contact {
+namespace {
+
+using rod::Row;
+using rod::layout::kLanes;
+using Block = rod::Batch<float>::Block;
+
+// Solutions after the second, each of which stops what its own spring would pull (K6).
+constexpr int kCorrections = 2;
+constexpr double kPointSpacing = 0.015;  // [m]
+constexpr double kLargestBulge = 2e-3;   // Of curled hair between two points [m].
+constexpr int kMostPoints = 4;
+
+void Reserve(const Block& block, int per_element, BatchContactScratch* scratch) {
+  const size_t points = static_cast<size_t>(block.elements) * per_element;
+  const auto grow = [](size_t size, auto* list) {
+    if (list->size() < size) list->resize(size);
+  };
+  grow(points * rod::layout::kPointRows, &scratch->points);
+  grow(points * kMeetingRows, &scratch->meetings);
+  grow(points * rod::layout::kLoadRows, &scratch->loads);
+  grow(points * 3, &scratch->velocities);
+  grow(points * 3, &scratch->local);
+  grow(points, &scratch->stale);
+  grow(static_cast<size_t>(block.elements) * rod::layout::StateRowsPerElement(block.kind),
+       &scratch->next);
+  scratch->loaded.assign(points, 0);
+  scratch->watched.assign(points, 0);
+  for (auto* list : {&scratch->x, &scratch->y, &scratch->z, &scratch->distance, &scratch->nx,
+                     &scratch->ny, &scratch->nz, &scratch->vx, &scratch->vy, &scratch->vz}) {
+    grow(points * kLanes, list);
+  }
+  grow(points * kLanes, &scratch->body);
+  grow(points * kLanes, &scratch->place);
+}
+
+// Looks at a group from the points that are stale, and remembers what is seen.
+void LookAgain(const BodyGroup& group, int points, int count, Row<float>* seen,
+               BatchContactScratch* scratch) {
+  size_t n = 0;
+  for (int i = 0; i < points; ++i) {
+    if (scratch->any_stale[i] == 0) continue;
+    const float* const stale = scratch->stale[i].lane;
+    for (int lane = 0; lane < count; ++lane) {
+      if (stale[lane] == 0) continue;
+      scratch->place[n] = static_cast<uint32_t>(i * kLanes + lane);
+      scratch->x[n] = scratch->local[3 * i].lane[lane];
+      scratch->y[n] = scratch->local[3 * i + 1].lane[lane];
+      scratch->z[n] = scratch->local[3 * i + 2].lane[lane];
+      ++n;
+    }
+  }
+  const PointSpans at{{scratch->x.data(), n}, {scratch->y.data(), n}, {scratch->z.data(), n}};
+  At(group.bodies, 0, at,
+     {{{scratch->distance.data(), n},
+       {scratch->nx.data(), n},
+       {scratch->ny.data(), n},
+       {scratch->nz.data(), n}},
+      {scratch->vx.data(), n},
+      {scratch->vy.data(), n},
+      {scratch->vz.data(), n},
+      {scratch->body.data(), n}});
+  for (size_t j = 0; j < n; ++j) {
+    const uint32_t point = scratch->place[j] / kLanes, lane = scratch->place[j] % kLanes;
+    Row<float>* const rows = seen + point * kSeenRows;
+    const Friction& friction = group.frictions[std::max(scratch->body[j], 0)];
+    const float values[kSeenRows] = {scratch->x[j],
+                                     scratch->y[j],
+                                     scratch->z[j],
+                                     scratch->nx[j],
+                                     scratch->ny[j],
+                                     scratch->nz[j],
+                                     scratch->distance[j],
+                                     static_cast<float>(friction.coefficient),
+                                     static_cast<float>(friction.anisotropy)};
+    for (int row = 0; row < kSeenRows; ++row) rows[row].lane[lane] = values[row];
+  }
+  // Lanes past the last strand repeat it.
+  for (int i = 0; count < kLanes && i < points * kSeenRows; ++i) {
+    std::fill(seen[i].lane + count, seen[i].lane + kLanes, seen[i].lane[count - 1]);
+  }
+}
+
+}  // namespace
+
+GroupMotion MotionOf(const BodyMotion& group, const rod::ClampMotion& head) {
+  const math::Pose pose = group.PoseAt(rod::kTheta);
+  const math::Pose seen_from = math::Interpolate(head.begin, head.end, rod::kTheta);
+  const Eigen::Matrix3f R = pose.q.toRotationMatrix().cast<float>();
+  const Eigen::Vector3f p = (pose.p - seen_from.p).cast<float>();
+  const Eigen::Vector3f v = group.LinearVelocity().cast<float>();
+  const Eigen::Vector3f w = group.AngularVelocity().cast<float>();
+  GroupMotion motion;
+  std::copy_n(R.data(), 9, motion.frame);
+  std::copy_n(p.data(), 3, motion.position);
+  std::copy_n(v.data(), 3, motion.velocity);
+  std::copy_n(w.data(), 3, motion.spin);
+  return motion;
+}
+
+int PointsPerElement(const rod::Batch<float>& batch, const Block& block) {
+  const float* const constants = batch.constants(block);
+  const float* const unit = constants + rod::layout::kUnit * kLanes;
+  const bool wound = block.kind == rod::layout::Kind::kWound;
+  double count = 1;
+  for (int lane = 0; lane < kLanes; ++lane) {
+    count = std::max(count, unit[lane] / kPointSpacing);
+    if (wound) continue;
+    const float* element = constants + rod::layout::kFirstElement * kLanes + lane;
+    for (int Q = 0; Q < block.elements;
+         ++Q, element += rod::layout::kConstantsPerElement * kLanes) {
+      const double bend = std::hypot(element[(rod::layout::kNatural + 1) * kLanes],
+                                     element[(rod::layout::kNatural + 2) * kLanes]);
+      const double length = unit[lane] * element[rod::layout::kLength * kLanes];
+      count = std::max(count, std::sqrt(length * bend / (8 * kLargestBulge)));
+    }
+  }
+  return static_cast<int>(std::ceil(std::min<double>(count - 1e-3, kMostPoints)));
+}
+
+size_t MemoryRows(const Block& block, int per_element, size_t groups) {
+  return static_cast<size_t>(block.elements) * per_element * (1 + groups * kSeenRows);
+}
+
+void Forget(std::span<Row<float>> memory) {
+  // Of what is not a number nothing is near, so that it is looked at.
+  constexpr float kNever = std::numeric_limits<float>::quiet_NaN();
+  for (Row<float>& row : memory) std::fill(row.lane, row.lane + kLanes, kNever);
+}
+
+uint32_t StepBlockAmong(const BatchContact& contact, const rod::Batch<float>& batch,
+                        const Block& block, int per_element,
+                        std::span<const Row<float>, rod::layout::kDriveRows> drive,
+                        std::span<Row<float>> memory, std::span<Row<float>> state,
+                        BatchContactScratch& scratch) {
+  const int N = block.elements, points = N * per_element;
+  MANE_CHECK(memory.size() == MemoryRows(block, per_element, contact.groups.size()));
+  Reserve(block, per_element, &scratch);
+  const auto& step = contact.step.Of(block.kind);
+  const MeetingKernels& meetings = contact.meetings;
+  const float* const constants = batch.constants(block);
+  float* const now = state[block.state].lane;
+  void* const bytes =
+      scratch.step.Reserve(static_cast<size_t>(N) * step.approach_per_element(per_element));
+  step.approach(N, per_element, constants, drive[0].lane, now, bytes, scratch.points[0].lane);
+
+  const float dt = drive[rod::layout::kDuration].lane[0];
+  const BatchContactSettings& settings = contact.settings;
+  const MeetingNumbers numbers{
+      static_cast<float>(rod::kTheta) * dt,        dt,
+      static_cast<float>(settings.thickness),      static_cast<float>(settings.root_length),
+      static_cast<float>(settings.recovery_speed), static_cast<float>(settings.recovery_pull)};
+  Row<float>* const pressed = memory.data();
+  for (size_t g = 0; g < contact.groups.size(); ++g) {
+    Row<float>* const seen = pressed + points + g * points * kSeenRows;
+    scratch.any_stale.assign(points, 0);
+    if (meetings.look(points, scratch.points[0].lane, contact.motions[g], numbers, seen->lane,
+                      scratch.local[0].lane, scratch.stale[0].lane, scratch.any_stale.data())) {
+      LookAgain(*contact.groups[g], points, block.count, seen, &scratch);
+    }
+    meetings.meet(points, scratch.points[0].lane, contact.motions[g], seen->lane,
+                  scratch.local[0].lane, g == 0, scratch.meetings[0].lane);
+  }
+
+  const MeetingBlock meeting{N,
+                             per_element,
+                             block.kind == rod::layout::Kind::kWound,
+                             constants,
+                             scratch.points[0].lane,
+                             scratch.meetings[0].lane,
+                             scratch.loads[0].lane,
+                             scratch.loaded.data(),
+                             scratch.watched.data()};
+  Row<float> size;
+  const auto solve = [&] {
+    step.solve(N, per_element, constants, drive[0].lane, now, scratch.loads[0].lane,
+               scratch.loaded.data(), scratch.watched.data(), bytes, scratch.next[0].lane,
+               scratch.velocities[0].lane, size.lane);
+  };
+  meetings.begin(meeting, numbers, pressed->lane);
+  solve();
+  if (meetings.revise(meeting, scratch.velocities[0].lane)) solve();
+  for (int i = 0; meetings.finish(meeting, scratch.velocities[0].lane, pressed->lane); ++i) {
+    if (i == kCorrections) break;
+    solve();
+  }
+  const size_t rows = static_cast<size_t>(N) * rod::layout::StateRowsPerElement(block.kind);
+  std::copy_n(scratch.next.begin(), rows, state.begin() + block.state);
+  return rod::FailedLanes(size);
+}
+
+}  // namespace mane::contact

@@ -1,0 +1,9 @@
+#define MANE_ISA avx512
+
+#include "contact/meeting_kernel.h"
+
+namespace mane::contact::avx512 {
+
+extern const MeetingKernels kMeetings = MeetingTable<16>::Make();
+
+}  // namespace mane::contact::avx512

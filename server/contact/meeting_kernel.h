@@ -1,0 +1,328 @@
+#pragma once
+
+/// How points of a block of strands meet bodies in a step (contact.md, K1 to K8), lane by lane;
+/// only for sources that define MANE_ISA.
+
+#include "contact/meeting_layout.h"
+#include "rod/batch_rows.h"
+#include "rod/scheme.h"
+
+namespace mane::contact {
+namespace MANE_ISA {
+
+template <int W>
+class Meetings : rod::MANE_ISA::Lanewise<float, W> {
+  using Base = rod::MANE_ISA::Lanewise<float, W>;
+  using Base::All;
+  using Base::Put;
+  using Base::Row;
+  using Base::Rows;
+  using typename Base::V;
+  using typename Base::Vec;
+  template <typename X>
+  using Frame = rod::MANE_ISA::Frame<X>;
+  static constexpr int kLanes = rod::layout::kLanes;
+
+ public:
+  static bool Look(int points, const float* point, const GroupMotion& group,
+                   const MeetingNumbers& numbers, const float* seen, float* local, float* stale,
+                   unsigned char* any_stale) {
+    const Frame<V> R = FrameOf(group);
+    const Vec p = Broadcast(group.position);
+    bool any = false;
+    for (int i = 0; i < points; ++i) {
+      const Vec x = Rows(point, rod::layout::kPosition) - p;
+      const Vec at = TransposeTimes(R, x), moved = at - Rows(seen, kSeenAt);
+      const V way2 = Dot(moved, moved);
+      // Not far, and farther along than the plane seen there serves. Anything but a number is new.
+      const V reach = Reach(point, group, x, numbers);
+      const V distance = Row(seen, kSeenDistance), spare = distance - reach;
+      const V serves = PlaneReach(distance), limit = spare > serves ? spare : serves;
+      const auto fresh = way2 < limit * limit;
+      const V flag = fresh ? V{} : All(1);
+      Put(at, local, 0);
+      Put(flag, stale, 0);
+      if (simd::MANE_ISA::Any(flag > 0.5F)) any_stale[i] = 1, any = true;
+      point += rod::layout::kPointRows * kLanes;
+      seen += kSeenRows * kLanes, local += 3 * kLanes, stale += kLanes;
+    }
+    return any;
+  }
+
+  static void Meet(int points, const float* point, const GroupMotion& group, const float* seen,
+                   const float* local, bool first, float* meeting) {
+    const Frame<V> R = FrameOf(group);
+    const Vec p = Broadcast(group.position), v = Broadcast(group.velocity),
+              w = Broadcast(group.spin);
+    for (int i = 0; i < points; ++i) {
+      const Vec x = Rows(point, rod::layout::kPosition) - p;
+      const Vec moved = Rows(local, 0) - Rows(seen, kSeenAt), n = Rows(seen, kSeenNormal);
+      const V square = Dot(moved, moved), serves = PlaneReach(Row(seen, kSeenDistance));
+      // The plane that was seen holds near by; farther off only that the body is not near.
+      const V distance =
+          square < serves * serves ? Row(seen, kSeenDistance) + Dot(n, moved) : All(kFar);
+      const V before = first ? All(kFar) : Row(meeting, kDistance);
+      const auto nearer = distance < before;
+      const Vec outward = R * n, surface = v + Cross(w, x);
+      const auto put = [&](const V& value, int row) {
+        Put(nearer ? value : (first ? V{} : Row(meeting, row)), meeting, row);
+      };
+      Put(nearer ? distance : before, meeting, kDistance);
+      put(outward.x, kMeetNormal), put(outward.y, kMeetNormal + 1), put(outward.z, kMeetNormal + 2);
+      put(surface.x, kSurface), put(surface.y, kSurface + 1), put(surface.z, kSurface + 2);
+      put(Row(seen, kSeenFriction), kMeetFriction);
+      put(Row(seen, kSeenAnisotropy), kMeetAnisotropy);
+      point += rod::layout::kPointRows * kLanes;
+      seen += kSeenRows * kLanes, local += 3 * kLanes, meeting += kMeetingRows * kLanes;
+    }
+  }
+
+  static bool Begin(const MeetingBlock& block, const MeetingNumbers& numbers,
+                    const float* pressed) {
+    const int rows = block.wound ? int{rod::layout::kConstantsPerWoundElement}
+                                 : int{rod::layout::kConstantsPerElement};
+    const int stride = rows * kLanes;
+    const float* element = block.constants + rod::layout::kFirstElement * kLanes;
+    const V unit = Row(block.constants, rod::layout::kUnit);
+    const float h = numbers.h, dt = numbers.dt;
+    V before{};  // Arc length of the element's left end [l0].
+    bool any = false;
+    const float* point = block.points;
+    float *meeting = block.meetings, *load = block.loads;
+    unsigned char *loaded = block.loaded, *watched = block.watched;
+    for (int Q = 0; Q < block.elements; ++Q, element += stride) {
+      const V length = Row(element, rod::layout::kLength);
+      const V share = (1.0F / static_cast<float>(block.per_element)) * length;
+      const V radius = block.wound ? unit * Row(element, rod::layout::kRadius) : V{};
+      for (int k = 0; k < block.per_element; ++k) {
+        const V arc = unit * (before + static_cast<float>(k + 1) * share);
+        // A coil's envelope, from nothing at the root; how far curled hair bulges between points.
+        const V around = block.wound ? (0.25F * arc < radius ? 0.25F * arc : radius)
+                                     : Bulge(element, unit * share, block.per_element);
+        const V gap = Row(meeting, kDistance) - (numbers.thickness + around);
+        const Vec n = Rows(meeting, kMeetNormal), surface = Rows(meeting, kSurface);
+        const Vec last = Rows(point, rod::layout::kLastVelocity), over = last - surface;
+        const V towards = Dot(n, over), near = kReach * h * Abs(towards) + All(kNear);
+        const auto meets = (arc >= numbers.root_length) & (gap < near);
+        const V mass = meets ? share : V{};
+        const V start = gap - h * towards, out = Dot(n, surface);
+        const V allowed = start < 0.0F ? start : V{};
+        const V least = (1.0F / dt) * (allowed - gap + h * Dot(n, last) + (dt - h) * out);  // K2
+        // K1
+        const V back = (-1.0F / dt) * allowed;
+        const V speed = back < numbers.recovery_speed ? back : All(numbers.recovery_speed);
+        // A coil gives way.
+        const float soft = block.wound ? kCoilSoftness : 1;
+        const V pull = mass * (numbers.recovery_pull * dt / soft);
+        const V spring = (dt / (kLiftDepth * soft)) * pull, steep = pull / (speed + 1e-9F);
+        Put(speed > 0.0F ? (spring < steep ? spring : steep) : V{}, meeting, kLift);
+        Put(out + speed, meeting, kLiftSpeed);
+        if (simd::MANE_ISA::Any(meets)) *watched = 1;
+        ++watched;
+        Put(mass, meeting, kMass);
+        Put(least, meeting, kLeast);
+
+        const V impulse = Row(pressed, 0), size = Abs(impulse);
+        const V falls = mass * (least - Dot(n, last));
+        const auto active = meets & ((size > 0.0F) | (falls > 0.0F));
+        const auto holds = impulse > 0.0F;
+        const V pressing = size > 0.0F ? size : falls;
+        const V slip = Speed(over - towards * n);
+        const V mu = Coefficient(meeting, point, over - towards * n, slip);
+        const V hold = holds ? kHolding * mass : Rub(mass, mu * pressing, slip);
+        const V state = active ? (holds ? All(1) : All(-1)) : V{};
+        any |= Load(state, mass, least, hold, n, surface, meeting, load, loaded++);
+        point += rod::layout::kPointRows * kLanes, pressed += kLanes;
+        meeting += kMeetingRows * kLanes, load += rod::layout::kLoadRows * kLanes;
+      }
+      before += length;
+    }
+    return any;
+  }
+
+  static bool Revise(const MeetingBlock& block, const float* velocities) {
+    bool any = false;
+    const float* point = block.points;
+    float *meeting = block.meetings, *load = block.loads;
+    for (int i = 0; i < block.elements * block.per_element; ++i,
+             point += rod::layout::kPointRows * kLanes, velocities += 3 * kLanes,
+             meeting += kMeetingRows * kLanes, load += rod::layout::kLoadRows * kLanes) {
+      if (block.watched[i] == 0) continue;
+
+      const V mass = Row(meeting, kMass), least = Row(meeting, kLeast), state = Row(meeting, kRub);
+      const Vec n = Rows(meeting, kMeetNormal), surface = Rows(meeting, kSurface);
+      const Vec u = Rows(velocities, 0), over = u - surface, across = over - Dot(n, over) * n;
+      const V short_of = least - Dot(n, u), slip = Speed(across);
+      const auto met = (state > 0.5F) | (state < -0.5F);
+      const auto presses = (mass > 0.0F) & (short_of > 0.0F);
+      // What it pressed with; of one that was free, what stops its own mass.
+      const V pressing = mass * (met ? kPressing * short_of : short_of);
+      const V mu = Coefficient(meeting, point, across, slip), most = mu * pressing;
+      const V held = kHolding * mass * slip;  // Impulse of one that is held.
+      const auto was_held = state > 0.5F;
+      const auto stays = (was_held & (held <= most)) | ((state < -0.5F) & (held <= most));
+      // One that was held and lets go slides by what friction no longer takes, at most (K8).
+      const V faster = was_held ? slip + (held - most) / (mass + 1e-30F) : slip;
+      const V hold = stays ? kHolding * mass : Rub(mass, most, faster);
+      const V next = presses ? (stays ? All(1) : All(-1)) : V{};
+      any |= simd::MANE_ISA::Any((next > 0.5F) | (next < -0.5F) | met);
+      Load(next, mass, least, hold, n, surface, meeting, load, block.loaded + i);
+    }
+    return any;
+  }
+
+  static bool Finish(const MeetingBlock& block, const float* velocities, float* pressed) {
+    bool any = false;
+    const float* point = block.points;
+    float *meeting = block.meetings, *load = block.loads;
+    for (int i = 0; i < block.elements * block.per_element; ++i,
+             point += rod::layout::kPointRows * kLanes, velocities += 3 * kLanes,
+             meeting += kMeetingRows * kLanes, load += rod::layout::kLoadRows * kLanes,
+             pressed += kLanes) {
+      if (block.watched[i] == 0) {
+        Put(V{}, pressed, 0);
+        continue;
+      }
+
+      const V mass = Row(meeting, kMass), least = Row(meeting, kLeast), state = Row(meeting, kRub);
+      const Vec n = Rows(meeting, kMeetNormal), surface = Rows(meeting, kSurface);
+      const Vec u = Rows(velocities, 0), over = u - surface, across = over - Dot(n, over) * n;
+      const V speed = Dot(n, u), out = Dot(n, surface), short_of = least - speed;
+      const auto met = (state > 0.5F) | (state < -0.5F);
+      const V pressing = kPressing * mass * short_of;
+      // Its own spring pulls it nearer: it is stopped instead (K6).
+      const auto pulled = met & (pressing < 0.0F) & (speed < out - 1e-6F) & (least < out);
+      // What was free would fall in.
+      const auto falls = (state == 0.0F) & (mass > 0.0F) & (short_of > kSlack);
+      if (simd::MANE_ISA::Any(pulled | falls)) {
+        any = true;
+        const V stopped = pulled ? out : least, slip = Speed(across);
+        Put(stopped, meeting, kLeast);
+        const V most = Coefficient(meeting, point, across, slip) * mass * short_of;
+        const V hold = falls ? Rub(mass, most, slip) : Row(load, rod::layout::kHold);
+        Load(falls ? All(-1) : state, mass, stopped, hold, n, surface, meeting, load,
+             block.loaded + i);
+      }
+      const V sign = state > 0.5F ? All(1) : All(-1);
+      Put(met ? (pressing > 0.0F ? sign * pressing : V{}) : V{}, pressed, 0);
+    }
+    return any;
+  }
+
+ private:
+  // Of a point's own mass: what resists penetration and what holds it sideways within a step (K2,
+  // K3); less than in double precision, as float32 has six digits for them and the free directions.
+  static constexpr float kPressing = 1e3F;
+  static constexpr float kHolding = 1e3F;
+  static constexpr float kLiftDepth = 1e-3F;  // At which what lifts is at its most (K1) [m].
+  static constexpr float kBulge = 3e-3F;      // Most that a strand keeps away for its curl [m].
+  static constexpr float kCoilSoftness = 3;
+  static constexpr float kPlaneReach = 1.2e-3F;  // K7 [m]
+  static constexpr float kPlaneShare = 0.3F;
+  static constexpr float kSlack = 2e-2F;  // Of a velocity that K2 asks for [m/s].
+  static constexpr float kNear = 2e-3F;   // Points are looked at from here on [m],
+  static constexpr float kReach = 2;      // or from this many times what they move in h.
+  static constexpr float kFar = 1e9F;
+
+  // Height of the arc between two points `apart` [m] of an element with its natural curvature [m].
+  static V Bulge(const float* element, const V& apart, int per_element) {
+    const V b1 = Row(element, rod::layout::kNatural + 1),
+            b2 = Row(element, rod::layout::kNatural + 2);
+    const V bend =
+        (1.0F / static_cast<float>(per_element)) * simd::MANE_ISA::Sqrt(b1 * b1 + b2 * b2 + 1e-20F);
+    const V height = 0.125F * apart * bend;
+    return height < kBulge ? height : All(kBulge);
+  }
+  static V Abs(const V& x) { return x > 0.0F ? x : -x; }
+  static V Speed(const Vec& u) { return simd::MANE_ISA::Sqrt(Dot(u, u) + 1e-20F); }
+  static Vec Broadcast(const float (&a)[3]) { return {All(a[0]), All(a[1]), All(a[2])}; }
+  static Frame<V> FrameOf(const GroupMotion& group) {
+    const float* f = group.frame;
+    return {{All(f[0]), All(f[1]), All(f[2])},
+            {All(f[3]), All(f[4]), All(f[5])},
+            {All(f[6]), All(f[7]), All(f[8])}};
+  }
+  // How far a plane seen at this distance serves [m] (K7).
+  static V PlaneReach(const V& distance) {
+    return kPlaneReach + (distance > 0.0F ? kPlaneShare * distance : V{});
+  }
+  // How near a body must be to be looked at [m].
+  static V Reach(const float* point, const GroupMotion& group, const Vec& x,
+                 const MeetingNumbers& numbers) {
+    const Vec over = Rows(point, rod::layout::kLastVelocity) - Broadcast(group.velocity) -
+                     Cross(Broadcast(group.spin), x);
+    return kReach * numbers.h * Speed(over) + kNear + 2 * kPlaneReach;
+  }
+  // mu by the cosine law (K4).
+  static V Coefficient(const float* meeting, const float* point, const Vec& across, const V& slip) {
+    const V along = Dot(Rows(point, rod::layout::kTangent), across) / slip;
+    return Row(meeting, kMeetFriction) * (1.0F + Row(meeting, kMeetAnisotropy) * along);
+  }
+  // Resistance of what slides at `slip` under the friction `most` (K4).
+  static V Rub(const V& mass, const V& most, const V& slip) {
+    const V hold = most / slip, largest = kHolding * mass;
+    return hold < largest ? hold : largest;
+  }
+  static bool Load(const V& state, const V& mass, const V& least, const V& hold, const Vec& n,
+                   const Vec& surface, float* meeting, float* load, unsigned char* loaded) {
+    const auto met = (state > 0.5F) | (state < -0.5F);
+    const V lift = Row(meeting, kLift), held = met ? hold : V{};
+    const V press = met ? kPressing * mass : V{}, out = Dot(n, surface);
+    Put(state, meeting, kRub);
+    Put(n, load, rod::layout::kNormal);
+    Put(press + lift, load, rod::layout::kPress);
+    Put(held, load, rod::layout::kHold);
+    const V along = press * (met ? least : V{}) + lift * Row(meeting, kLiftSpeed);
+    Put(along * n + held * (surface - out * n), load, rod::layout::kPush);
+    Put(lift > 0.0F ? Row(meeting, kLiftSpeed) : out, load, rod::layout::kSurfaceSpeed);
+    const bool any = simd::MANE_ISA::Any(met | (lift > 0.0F));
+    if (any) *loaded = 1;
+    return any;
+  }
+};
+
+/// The table for W lanes at a time.
+template <int W>
+struct MeetingTable {
+  template <typename Visit>
+  static bool Groups(const Visit& visit) {
+    bool any = false;
+    for (int lane = 0; lane < rod::layout::kLanes; lane += W) any |= visit(lane);
+    return any;
+  }
+  static MeetingBlock At(MeetingBlock block, int lane) {
+    block.constants += lane, block.points += lane, block.meetings += lane, block.loads += lane;
+    return block;
+  }
+
+  static bool Look(int points, const float* point, const GroupMotion& group,
+                   const MeetingNumbers& numbers, const float* seen, float* local, float* stale,
+                   unsigned char* any_stale) {
+    return Groups([&](int l) {
+      return Meetings<W>::Look(points, point + l, group, numbers, seen + l, local + l, stale + l,
+                               any_stale);
+    });
+  }
+  static void Meet(int points, const float* point, const GroupMotion& group, const float* seen,
+                   const float* local, bool first, float* meeting) {
+    Groups([&](int l) {
+      Meetings<W>::Meet(points, point + l, group, seen + l, local + l, first, meeting + l);
+      return false;
+    });
+  }
+  static bool Begin(const MeetingBlock& block, const MeetingNumbers& numbers,
+                    const float* pressed) {
+    return Groups([&](int l) { return Meetings<W>::Begin(At(block, l), numbers, pressed + l); });
+  }
+  static bool Revise(const MeetingBlock& block, const float* velocities) {
+    return Groups([&](int l) { return Meetings<W>::Revise(At(block, l), velocities + l); });
+  }
+  static bool Finish(const MeetingBlock& block, const float* velocities, float* pressed) {
+    return Groups(
+        [&](int l) { return Meetings<W>::Finish(At(block, l), velocities + l, pressed + l); });
+  }
+  static constexpr MeetingKernels Make() { return {&Look, &Meet, &Begin, &Revise, &Finish}; }
+};
+
+}  // namespace MANE_ISA
+}  // namespace mane::contact

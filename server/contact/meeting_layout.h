@@ -1,0 +1,91 @@
+#pragma once
+
+/// How the points of a block of strands that meet bodies lie in memory for the batched kernels:
+/// rows of rod::layout::kLanes float32 numbers, one lane a strand. Includes nothing: kernels may
+/// share no function with other sources. K-numbers are those of contact.md.
+namespace mane::contact {
+
+/// Rows of what was last seen of a group of bodies from a point (K7).
+enum Seen : int {
+  kSeenAt = 0,                      ///< Where the point was, group's frame [m] (3).
+  kSeenNormal = kSeenAt + 3,        ///< Out of the nearest body, group's frame (3).
+  kSeenDistance = kSeenNormal + 3,  ///< To its surface [m].
+  kSeenFriction,                    ///< How hair rubs on it: Friction::coefficient,
+  kSeenAnisotropy,                  ///< Friction::anisotropy.
+  kSeenRows                         ///< Rows in all.
+};
+
+/// Rows of a point and the nearest body in a step.
+enum Meeting : int {
+  kDistance = 0,                 ///< To its surface [m]; large where it is too far to matter.
+  kMeetNormal = kDistance + 1,   ///< World (3).
+  kSurface = kMeetNormal + 3,    ///< The body's velocity there, world [m/s] (3).
+  kMeetFriction = kSurface + 3,  ///< Friction::coefficient.
+  kMeetAnisotropy,               ///< Friction::anisotropy.
+  kMass,        ///< That the point stands for [rho S l0]; 0 where it meets nothing.
+  kLeast,       ///< v of (K2) [m/s].
+  kLift,        ///< What lifts it out, per speed that it lacks (K1) [rho S l0],
+  kLiftSpeed,   ///< and to which speed along the normal [m/s].
+  kRub,         ///< +1 where it is held, -1 where it slides, 0 where it is free.
+  kMeetingRows  ///< Rows in all.
+};
+
+/// How a group of bodies moves in a step: where its frame is at kTheta of the way, from the head's
+/// place, in world axes, and how it goes on.
+struct GroupMotion {
+  float frame[9];     ///< Columns: from the group's frame to the world's axes.
+  float position[3];  ///< [m]
+  float velocity[3];  ///< Of the frame's origin [m/s].
+  float spin[3];      ///< [rad/s]
+};
+
+/// Numbers of a step that all points share.
+struct MeetingNumbers {
+  float h;               ///< kTheta dt [s].
+  float dt;              ///< [s]
+  float thickness;       ///< Strands' centrelines keep this far from surfaces [m].
+  float root_length;     ///< The first of a strand is not looked at [m].
+  float recovery_speed;  ///< v_r of (K1) [m/s], and
+  float recovery_pull;   ///< a_r [m/s^2].
+};
+
+/// A block of strands and its points.
+struct MeetingBlock {
+  int elements;
+  int per_element;
+  bool wound;
+  const float* constants;  ///< rod/batch_layout.h
+  const float* points;     ///< rod::layout::Point rows.
+  float* meetings;         ///< (N x per_element x kMeetingRows)
+  float* loads;            ///< rod::layout::Load rows.
+  unsigned char* loaded;   ///< (N x per_element)
+  unsigned char*
+      watched;  ///< Whether any lane is near a body; others are left alone (N x per_element).
+};
+
+/// The kernels of one instruction set; pure functions of their arguments, each lane's result
+/// depends on nothing in others.
+struct MeetingKernels {
+  /// Points in the group's frame, and where they must be looked at anew (K7).
+  ///
+  /// @param local  out: (points x 3)
+  /// @param stale  out: 1 or 0 (points)
+  /// @param any_stale  in: 0; out: whether any lane is (points)
+  /// @return whether any is stale.
+  bool (*look)(int points, const float* point_rows, const GroupMotion& group,
+               const MeetingNumbers& numbers, const float* seen, float* local, float* stale,
+               unsigned char* any_stale);
+  /// Takes over the group where it is nearer than those before; the first sets all.
+  void (*meet)(int points, const float* point_rows, const GroupMotion& group, const float* seen,
+               const float* local, bool first, float* meetings);
+  /// Loads of the first solution (K8). `pressed`, (N x per_element) rows, are the impulses that
+  /// Finish left a step ago. @return whether there are any.
+  bool (*begin)(const MeetingBlock& block, const MeetingNumbers& numbers, const float* pressed);
+  /// Loads of the second, by the velocities of the first. @return whether any differ.
+  bool (*revise)(const MeetingBlock& block, const float* velocities);
+  /// Stops what its own spring pulls (K6), and leaves impulses. @return whether any must be solved
+  /// again.
+  bool (*finish)(const MeetingBlock& block, const float* velocities, float* pressed);
+};
+
+}  // namespace mane::contact

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "exec/worker_pool.h"
+#include "groom/groom.h"
+#include "head/bodies.h"
+#include "rod/batch.h"
+
+namespace mane::head {
+
+/// The shape in which hair of `groom` lies still among `bodies` on an upright head: its rest shape,
+/// which may go through them, comes out and settles in thick air. A function of the groom and the
+/// bodies alone.
+///
+/// @return as HeadState::guides, standing still.
+[[nodiscard]] std::vector<rod::Row<float>> Settle(const groom::Groom& groom,
+                                                  std::shared_ptr<const Bodies> bodies,
+                                                  exec::WorkerPool& pool);
+
+}  // namespace mane::head

@@ -1,0 +1,381 @@
+// Properties of the batched steps among loads, for float and double and every instruction set:
+//   oracle       a plain strand's step equals Step with the same loads
+//   no loads     the step without, to rounding
+//   points       lie on the centreline at the extrapolated shape; their velocities are its change
+//   reciprocity  a push at a moves b along a direction as much as one at b along that moves a
+//   stop         what presses hard keeps its point at the surface's speed, and nothing bounces off
+//   neighbours   a lane's bits do not depend on loads on others
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "rod/chain.h"
+#include "rod/test_batches.h"
+#include "rod/test_wound.h"
+
+namespace mane::rod {
+namespace {
+
+using Eigen::Vector3d;
+using fixtures::Difference;
+using fixtures::Largest;
+using fixtures::Packed;
+using fixtures::Random;
+using fixtures::State;
+using fixtures::WoundOwned;
+using layout::kLanes;
+
+constexpr int kPerElement = 3;
+
+// What presses and rubs at a point, in SI units.
+struct Load {
+  Vector3d normal = Vector3d::UnitX();
+  double press = 0, hold = 0;        // [kg]
+  Vector3d push = Vector3d::Zero();  // [kg m/s]
+  double surface_speed = 0;          // [m/s]
+};
+
+// One block of a batch among loads.
+template <typename T>
+class Solver {
+ public:
+  Solver(const KernelTable<T>& kernels, const Batch<T>& batch, const ClampMotion& head,
+         const Surroundings& air)
+      : batch_(batch), block_(batch.blocks()[0]), kernels_(kernels.Of(block_.kind)) {
+    const int points = block_.elements * kPerElement;
+    SetDrive<T>(head, air, 0, kLanes, drive_);
+    points_.resize(points * layout::kPointRows);
+    loads_.resize(points * layout::kLoadRows);
+    velocities_.resize(points * 3);
+    loaded_.assign(points, 0);
+    watched_.assign(points, 1);
+    bytes_ = scratch_.Reserve(static_cast<size_t>(block_.elements) *
+                              kernels_.approach_per_element(kPerElement));
+  }
+  void Approach(std::span<const Row<T>> state) {
+    kernels_.approach(block_.elements, kPerElement, batch_.constants(block_), drive_[0].lane,
+                      state[block_.state].lane, bytes_, points_[0].lane);
+  }
+  // `unit` is rho S l0 of the strand [kg].
+  void SetLoad(int point, int lane, const Load& load, double unit) {
+    Row<T>* const rows = &loads_[point * layout::kLoadRows];
+    loaded_[point] = 1;
+    for (int i = 0; i < 3; ++i) {
+      rows[layout::kNormal + i].lane[lane] = static_cast<T>(load.normal[i]);
+      rows[layout::kPush + i].lane[lane] = static_cast<T>(load.push[i] / unit);
+    }
+    rows[layout::kPress].lane[lane] = static_cast<T>(load.press / unit);
+    rows[layout::kHold].lane[lane] = static_cast<T>(load.hold / unit);
+    rows[layout::kSurfaceSpeed].lane[lane] = static_cast<T>(load.surface_speed);
+  }
+  void Solve(std::span<const Row<T>> state, std::span<Row<T>> next) {
+    Row<T> size;
+    kernels_.solve(block_.elements, kPerElement, batch_.constants(block_), drive_[0].lane,
+                   state[block_.state].lane, loads_[0].lane, loaded_.data(), watched_.data(),
+                   bytes_, next[block_.state].lane, velocities_[0].lane, size.lane);
+  }
+  Vector3d Point(int point, int lane, int row) const {
+    return At(points_, point * layout::kPointRows + row, lane);
+  }
+  Vector3d Velocity(int point, int lane) const { return At(velocities_, 3 * point, lane); }
+
+ private:
+  static Vector3d At(const std::vector<Row<T>>& rows, int row, int lane) {
+    return {rows[row].lane[lane], rows[row + 1].lane[lane], rows[row + 2].lane[lane]};
+  }
+  const Batch<T>& batch_;
+  const typename Batch<T>::Block& block_;
+  const KindKernels<T>& kernels_;
+  std::array<Row<T>, layout::kDriveRows> drive_;
+  std::vector<Row<T>> points_, loads_, velocities_;
+  std::vector<unsigned char> loaded_, watched_;
+  BatchScratch scratch_;
+  void* bytes_;
+};
+
+double UnitOf(const Strand& strand) {
+  return strand.linear_density * strand.TotalLength() / strand.elements();
+}
+
+template <typename T>
+class BatchLoadsTest : public fixtures::EveryIsaTest<T> {};
+TYPED_TEST_SUITE(BatchLoadsTest, fixtures::Numbers);
+
+template <typename T>
+Packed<T> PlainStrands(Random& random, int N, double angle) {
+  Packed<T> packed;
+  for (int i = 0; i < kLanes; ++i) {
+    const Strand strand = random.UnevenStrand(N, 0.2, angle);
+    packed.Add(strand, random.AnyRoot(), random.AnyState(strand, 0.5, 5, 1));
+  }
+  packed.Pack();
+  return packed;
+}
+
+template <typename T>
+Packed<T, WoundStrand, WoundOwned> WoundStrands(Random& random, int N) {
+  Packed<T, WoundStrand, WoundOwned> packed;
+  for (int i = 0; i < kLanes; ++i) {
+    const WoundStrand wound = AnyWound(random, N, 0.2, random.Uniform(3, 9) * N);
+    packed.Add(wound, random.AnyRoot(), WoundOwned(wound, random, 0.3, 5, 1));
+  }
+  packed.Pack();
+  return packed;
+}
+
+TYPED_TEST(BatchLoadsTest, EqualsTheStepAmongTheSameLoads) {
+  using T = TypeParam;
+  const double tolerance = std::is_same_v<T, float> ? 3e-3 : 1e-9;
+  this->ForEveryIsa([&](const KernelTable<T>& kernels) {
+    Random random(17);
+    for (const int N : {1, 2, 5, 10}) {
+      SCOPED_TRACE(testing::Message() << "N=" << N);
+      Packed<T> packed = PlainStrands<T>(random, N, 2.5);
+      const ClampMotion motion = random.AnyMotion(1.0 / 60);
+      const Surroundings air = random.AnyAir();
+      Solver<T> solver(kernels, packed.batch(), motion, air);
+      solver.Approach(packed.state());
+      std::vector<std::vector<PointLoad>> expected_loads(kLanes);
+      const auto& lanes = packed.batch().blocks()[0].strands;
+      for (int point = 0; point < N * kPerElement; ++point) {
+        if (point % 4 == 2) continue;  // Some points have no load,
+        for (int lane = 0; lane < kLanes; ++lane) {
+          if ((point + lane) % 3 == 0) continue;  // nor have some lanes of others.
+          const double unit = UnitOf(packed.strand(lanes[lane]));
+          Load load{random.Direction(), unit * random.Uniform(0, 30), unit * random.Uniform(0, 30),
+                    random.Vector(unit), random.Uniform(-0.1, 0.1)};
+          solver.SetLoad(point, lane, load, unit);
+          const Eigen::Matrix3d along = load.normal * load.normal.transpose();
+          expected_loads[lane].push_back(
+              {point / kPerElement, (point % kPerElement + 1.0) / kPerElement,
+               load.hold * (Eigen::Matrix3d::Identity() - along) + load.press * along, load.push,
+               load.normal, load.surface_speed});
+        }
+      }
+      std::vector<Row<T>> next(packed.state().size());
+      solver.Solve(packed.state(), next);
+      StepScratch scratch;
+      for (int lane = 0; lane < kLanes; ++lane) {
+        const int i = lanes[lane];
+        State expected = packed.start(i), result = packed.start(i);
+        packed.batch().GetStrand(i, next, result.View());
+        const math::Pose& root = packed.root(i);
+        ASSERT_TRUE(Step(packed.strand(i), {motion.begin * root, motion.end * root, motion.dt}, air,
+                         expected_loads[lane], expected.View(), scratch));
+        EXPECT_LT(Difference(result.rate, expected.rate), tolerance * Largest(expected.rate));
+        EXPECT_LT(Difference(result.velocity, expected.velocity),
+                  tolerance * Largest(expected.velocity));
+      }
+    }
+  });
+}
+
+// What the tests below ask of both kinds.
+template <typename T, typename Pack>
+void ExpectTheSameWithoutLoads(const KernelTable<T>& kernels, Pack packed) {
+  const ClampMotion motion = Random(3).AnyMotion(1.0 / 60);
+  Solver<T> solver(kernels, packed.batch(), motion, {});
+  solver.Approach(packed.state());
+  std::vector<Row<T>> next(packed.state().size());
+  solver.Solve(packed.state(), next);
+  ASSERT_EQ(packed.Step(kernels, motion, {}), 0U);
+  double largest = 0, difference = 0;
+  for (size_t row = 0; row < next.size(); ++row) {
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const double value = packed.state()[row].lane[lane];
+      largest = std::max(largest, std::abs(value));
+      difference = std::max(difference, std::abs(next[row].lane[lane] - value));
+    }
+  }
+  EXPECT_LT(difference, (std::is_same_v<T, float> ? 1e-3 : 1e-10) * largest);
+}
+
+TYPED_TEST(BatchLoadsTest, IsTheStepWhereThereAreNone) {
+  this->ForEveryIsa([&](const KernelTable<TypeParam>& kernels) {
+    Random random(5);
+    ExpectTheSameWithoutLoads(kernels, PlainStrands<TypeParam>(random, 6, 2));
+    ExpectTheSameWithoutLoads(kernels, WoundStrands<TypeParam>(random, 6));
+  });
+}
+
+// Positions a moment later less those now are the velocities that `approach` says: of a strand that
+// moves with its rates alone, on a clamp that moves.
+template <typename T, typename Pack>
+void ExpectVelocitiesToBeTheChangeOfPositions(const KernelTable<T>& kernels, Pack packed) {
+  if constexpr (std::is_same_v<T, double>) {
+    const double dt = 1e-5;
+    // Slow turns: roots move along chords.
+    Random random(8);
+    const math::Pose begin = random.Pose();
+    const math::Pose end{begin.p + random.Vector(0.01),
+                         math::FromRotationVector(random.Vector(0.01)) * begin.q};
+    const ClampMotion motion{begin, end, 1.0 / 60};
+    const auto at = [&](double time) {
+      return math::Interpolate(motion.begin, motion.end, time / motion.dt);
+    };
+    // Both linearise kTheta dt on: at one time of the head, of angles that `dt` parts.
+    const double dt0 = 1.0 / 60;
+    Solver<T> now(kernels, packed.batch(), {at(0), at(dt0), dt0}, {});
+    Solver<T> later(kernels, packed.batch(), {at(0), at(dt0 + dt), dt0 + dt}, {});
+    now.Approach(packed.state());
+    later.Approach(packed.state());
+    const double between = kTheta * dt;
+    const Vector3d head_moves = (at(kTheta * (dt0 + dt)).p - at(kTheta * dt0).p);
+    for (int point = 0; point < packed.batch().blocks()[0].elements * kPerElement; ++point) {
+      for (int lane = 0; lane < kLanes; ++lane) {
+        const Vector3d change = later.Point(point, lane, layout::kPosition) -
+                                now.Point(point, lane, layout::kPosition) + head_moves;
+        const Vector3d mean = 0.5 * (later.Point(point, lane, layout::kLastVelocity) +
+                                     now.Point(point, lane, layout::kLastVelocity));
+        EXPECT_LT((change / between - mean).norm(), 2e-3 * (0.1 + mean.norm()))
+            << "point " << point << " lane " << lane;
+      }
+    }
+  }
+}
+
+TYPED_TEST(BatchLoadsTest, VelocitiesOfPointsAreTheChangeOfTheirPositions) {
+  this->ForEveryIsa([&](const KernelTable<TypeParam>& kernels) {
+    Random random(6);
+    ExpectVelocitiesToBeTheChangeOfPositions(kernels, PlainStrands<TypeParam>(random, 4, 2));
+    ExpectVelocitiesToBeTheChangeOfPositions(kernels, WoundStrands<TypeParam>(random, 4));
+  });
+}
+
+TYPED_TEST(BatchLoadsTest, PointsLieOnTheExtrapolatedCentreline) {
+  using T = TypeParam;
+  const double tolerance = std::is_same_v<T, float> ? 2e-6 : 1e-12;
+  this->ForEveryIsa([&](const KernelTable<T>& kernels) {
+    Random random(31);
+    const Packed<T> packed = PlainStrands<T>(random, 5, 4);
+    const ClampMotion motion = random.AnyMotion(1.0 / 60);
+    Solver<T> solver(kernels, packed.batch(), motion, {});
+    solver.Approach(const_cast<Packed<T>&>(packed).state());
+    const math::Pose head = math::Interpolate(motion.begin, motion.end, kTheta);
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const int i = packed.batch().blocks()[0].strands[lane];
+      State state = packed.start(i);
+      for (int Q = 0; Q < 5; ++Q) state.theta[Q] += kTheta * motion.dt * state.rate[Q];
+      for (int point = 0; point < 5 * kPerElement; ++point) {
+        const ArcPosition where{point / kPerElement, (point % kPerElement + 1.0) / kPerElement};
+        const Vector3d r =
+            PointAt(packed.strand(i), head * packed.root(i), state.theta, where).r - head.p;
+        EXPECT_LT((solver.Point(point, lane, layout::kPosition) - r).norm(), tolerance);
+        EXPECT_NEAR(solver.Point(point, lane, layout::kTangent).norm(), 1, 30 * tolerance);
+      }
+    }
+  });
+}
+
+template <typename T, typename Pack>
+void ExpectReciprocity(const KernelTable<T>& kernels, Pack packed) {
+  const double tolerance = std::is_same_v<T, float> ? 2e-2 : 1e-7;
+  Random random(12);
+  const ClampMotion motion = random.AnyMotion(1.0 / 60);
+  const int points = packed.batch().blocks()[0].elements * kPerElement;
+  std::vector<Row<T>> next(packed.state().size());
+  const auto velocities = [&](int at, const Vector3d& push) {
+    Solver<T> solver(kernels, packed.batch(), motion, {});
+    solver.Approach(packed.state());
+    for (int lane = 0; lane < kLanes; ++lane) {
+      // An equal load on another point: the response is that of a strand in contact.
+      solver.SetLoad(points / 2, lane, {Vector3d::UnitZ(), 5, 2}, 1);
+      solver.SetLoad(at, lane, {Vector3d::UnitX(), 0, 0, push}, 1);
+    }
+    solver.Solve(packed.state(), next);
+    return solver;
+  };
+  const Vector3d f = random.Direction(), g = random.Direction();
+  const int a = 2, b = points - 2;
+  const Solver<T> at_a = velocities(a, 10 * f), at_b = velocities(b, 10 * g),
+                  none = velocities(a, Vector3d::Zero());
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const double there = g.dot(at_a.Velocity(b, lane) - none.Velocity(b, lane));
+    const double back = f.dot(at_b.Velocity(a, lane) - none.Velocity(a, lane));
+    const double own = f.dot(at_a.Velocity(a, lane) - none.Velocity(a, lane));
+    EXPECT_GT(own, 0);
+    EXPECT_NEAR(there, back, tolerance * (std::abs(there) + own));
+  }
+}
+
+TYPED_TEST(BatchLoadsTest, PushesAreReciprocal) {
+  this->ForEveryIsa([&](const KernelTable<TypeParam>& kernels) {
+    Random random(44);
+    ExpectReciprocity(kernels, PlainStrands<TypeParam>(random, 5, 2));
+    ExpectReciprocity(kernels, WoundStrands<TypeParam>(random, 5));
+  });
+}
+
+template <typename T, typename Pack>
+void ExpectToBeStopped(const KernelTable<T>& kernels, Pack packed) {
+  const ClampMotion motion{{}, {}, 1.0 / 60};
+  Solver<T> solver(kernels, packed.batch(), motion, {});
+  solver.Approach(packed.state());
+  const int point = packed.batch().blocks()[0].elements * kPerElement - 1;
+  std::vector<Vector3d> normals;
+  for (int lane = 0; lane < kLanes; ++lane) {
+    normals.push_back(-solver.Point(point, lane, layout::kLastVelocity).normalized());
+    solver.SetLoad(point, lane, {normals[lane], 1e3, 0, Vector3d::Zero(), 0}, 1);
+  }
+  std::vector<Row<T>> next(packed.state().size());
+  solver.Solve(packed.state(), next);
+  for (int lane = 0; lane < kLanes; ++lane) {
+    EXPECT_NEAR(normals[lane].dot(solver.Velocity(point, lane)), 0, 0.02);
+    auto state = packed.start(0);
+    const int i = packed.batch().blocks()[0].strands[lane];
+    packed.batch().GetStrand(i, next, state.View());
+    const int count = static_cast<int>(state.velocity.size()) / packed.batch().blocks()[0].elements;
+    for (int g = 0; g < count; ++g) {
+      const Vector3d& u = state.velocity[state.velocity.size() - 1 - g];
+      EXPECT_LT(normals[lane].dot(u), 1e-5);
+    }
+  }
+}
+
+TYPED_TEST(BatchLoadsTest, WhatIsPressedStopsAndDoesNotBounce) {
+  this->ForEveryIsa([&](const KernelTable<TypeParam>& kernels) {
+    Random random(91);
+    ExpectToBeStopped(kernels, PlainStrands<TypeParam>(random, 5, 1));
+    ExpectToBeStopped(kernels, WoundStrands<TypeParam>(random, 5));
+  });
+}
+
+template <typename T, typename Pack>
+void ExpectLanesAlone(const KernelTable<T>& kernels, Pack packed) {
+  const ClampMotion motion = Random(3).AnyMotion(1.0 / 60);
+  const auto solve = [&](bool others) {
+    Solver<T> solver(kernels, packed.batch(), motion, {});
+    solver.Approach(packed.state());
+    Random random(1);
+    for (int point = 0; point < packed.batch().blocks()[0].elements * kPerElement; ++point) {
+      for (int lane = 0; lane < kLanes; ++lane) {
+        const Load load{random.Direction(), random.Uniform(0, 100), random.Uniform(0, 100),
+                        random.Vector(1)};
+        if (lane == 5 ? point == 4 : others) solver.SetLoad(point, lane, load, 1);
+      }
+    }
+    std::vector<Row<T>> next(packed.state().size());
+    solver.Solve(packed.state(), next);
+    return next;
+  };
+  const auto alone = solve(false), among = solve(true);
+  for (size_t row = 0; row < alone.size(); ++row) {
+    ASSERT_EQ(alone[row].lane[5], among[row].lane[5]);
+  }
+}
+
+TYPED_TEST(BatchLoadsTest, LanesDoNotDependOnLoadsOnTheirNeighbours) {
+  this->ForEveryIsa([&](const KernelTable<TypeParam>& kernels) {
+    Random random(77);
+    ExpectLanesAlone(kernels, PlainStrands<TypeParam>(random, 5, 1));
+    ExpectLanesAlone(kernels, WoundStrands<TypeParam>(random, 5));
+  });
+}
+
+}  // namespace
+}  // namespace mane::rod

@@ -1,0 +1,179 @@
+// Times hair among bodies and other hair on one core, over the rod kernel alone, and a full head of
+// 100,000 strands on all. Prints one JSON object; every number is a median, and ratios are of one
+// run.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "exec/worker_pool.h"
+#include "groom/assemble.h"
+#include "groom/generate.h"
+#include "head/bodies.h"
+#include "head/head.h"
+#include "head/kernels.h"
+#include "rod/batch.h"
+
+namespace mane {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kDt = 1.0 / 60;
+constexpr groom::Limits kLimits{.max_guides = 100'000, .max_elements = 500'000};
+constexpr double kWalk = 1.4;  // [m/s]
+
+// A head of somebody who walks: bobs, sways and looks about.
+math::Pose HeadAt(int frame) {
+  const double t = frame * kDt, step = 2 * std::numbers::pi * 2 * t;
+  return {{0.015 * std::sin(step / 2), 0.02 * std::sin(step), kWalk * t},
+          math::FromRotationVector({0.03 * std::sin(step), 0.3 * std::sin(1.3 * t), 0})};
+}
+
+// Median seconds of one call of `work`, which is repeated for about `seconds`.
+double Median(double seconds, const std::function<void(int)>& work) {
+  using Clock = std::chrono::steady_clock;
+  const auto now = [] { return std::chrono::duration<double>(Clock::now().time_since_epoch()); };
+  std::vector<double> times;
+  const auto end = now() + std::chrono::duration<double>(seconds);
+  for (int i = 0; now() < end || times.size() < 9; ++i) {
+    const auto start = now();
+    work(i);
+    times.push_back((now() - start).count());
+  }
+  std::ranges::nth_element(times, times.begin() + times.size() / 2);
+  return times[times.size() / 2];
+}
+
+// A head of 5,000 triangles with a nose and ears, so to say: an ellipsoid with waves.
+groom::TriangleMesh HeadMesh() {
+  constexpr int kRings = 50, kSides = 50;
+  groom::TriangleMesh mesh;
+  for (int i = 0; i <= kRings; ++i) {
+    for (int j = 0; j < kSides; ++j) {
+      const double a = std::numbers::pi * i / kRings, b = 2 * std::numbers::pi * j / kSides;
+      const double size = 1 + 0.04 * std::sin(3 * a) * std::sin(5 * b);
+      mesh.vertices.emplace_back(
+          (size * Vector3d(0.078 * std::sin(a) * std::cos(b), 0.1 + 0.11 * std::cos(a),
+                           0.02 + 0.098 * std::sin(a) * std::sin(b)))
+              .cast<float>());
+    }
+  }
+  const auto add = [&](int a, int b, int c) {
+    mesh.triangles.push_back(
+        {static_cast<uint32_t>(a), static_cast<uint32_t>(b), static_cast<uint32_t>(c)});
+  };
+  for (int i = 0; i < kRings; ++i) {
+    for (int j = 0; j < kSides; ++j) {
+      const int a = i * kSides + j, b = i * kSides + (j + 1) % kSides;
+      add(a, b + kSides, a + kSides), add(a, b, b + kSides);
+      if (i < kRings / 2) {
+        mesh.hair_triangles.push_back(static_cast<uint32_t>(mesh.triangles.size() - 1));
+      }
+    }
+  }
+  return mesh;
+}
+
+std::shared_ptr<groom::Groom> Hair(int guides, int N, double length) {
+  groom::Generation generation;
+  generation.hair_type = groom::HairType::kCaucasianWavy;
+  generation.guide_count = static_cast<uint32_t>(guides);
+  generation.length_m = length;
+  generation.element_count = static_cast<uint32_t>(N);
+  generation.model = groom::StrandModel::kSuperHelix;
+  generation.seed = 1;
+  groom::Parts parts;
+  parts.scalp = HeadMesh();
+  parts.guides = *groom::Generate(parts.scalp, generation, kLimits);
+  exec::WorkerPool pool(static_cast<int>(std::thread::hardware_concurrency()));
+  auto groom = std::make_shared<groom::Groom>(**groom::Assemble(std::move(parts), kLimits, &pool));
+  groom->scalp_friction = groom::Friction{};
+  groom::Body shoulders{
+      "shoulders", groom::Body::Capsule{{-0.2, 0, 0}, {0.2, 0, 0}, 0.06}, {}, true, {}};
+  shoulders.pose.p = {0, -0.16, 0};
+  groom::Body neck{"neck", groom::Body::Capsule{{0, -0.12, 0}, {0, 0, 0}, 0.055}, {}, true, {}};
+  groom->bodies = {shoulders, neck};
+  return groom;
+}
+
+// Seconds of a step of all guides by the kernel alone.
+double Kernel(const groom::Groom& groom, double seconds) {
+  std::vector<rod::Row<float>> state = head::AtRest(groom, HeadAt(0)).guides;
+  std::array<rod::Row<float>, rod::layout::kDriveRows> drive;
+  rod::BatchScratch scratch;
+  return Median(seconds, [&](int i) {
+    rod::SetDrive<float>({HeadAt(i), HeadAt(i + 1), kDt}, {}, 0, rod::layout::kLanes, drive);
+    for (const auto& block : groom.batch.blocks()) {
+      (void)rod::StepBlock<float>(head::Kernels(), groom.batch, block, drive, state, scratch);
+    }
+  });
+}
+
+// Seconds of a step of a head among `bodies`, none where null, by so many workers.
+double Step(const groom::Groom& groom, const std::shared_ptr<const head::Bodies>& bodies,
+            int workers, double seconds) {
+  exec::WorkerPool pool(workers);
+  head::HeadState state = head::AtRest(groom, HeadAt(0));
+  if (bodies != nullptr) head::StartContact(groom, bodies, &state);
+  const double dt = kDt;
+  return Median(seconds, [&](int i) {
+    const math::Pose pose = HeadAt(i + 1);
+    std::vector<math::Pose> moving;
+    if (bodies != nullptr) {
+      math::Pose body;
+      body.p = pose.p;
+      moving = head::BodiesAtRest(*bodies, body);
+    }
+    head::Advance(groom, {pose, dt, 1, moving}, {}, &state, pool);
+  });
+}
+
+std::shared_ptr<const head::Bodies> BodiesOf(const groom::Groom& groom) {
+  static contact::FieldCache fields({}, size_t{1} << 30, 2);
+  exec::WorkerPool pool(static_cast<int>(std::thread::hardware_concurrency()));
+  return *head::MakeBodies(groom, &fields, pool);
+}
+
+int Main() {
+  std::map<int, double> over_rod;
+  for (const int N : {5, 10}) {
+    const auto groom = Hair(100, N, 0.25);
+    const auto bodies = BodiesOf(*groom);
+    const double kernel = Kernel(*groom, 1), bare = Step(*groom, nullptr, 1, 1);
+    over_rod[N] = (Step(*groom, bodies, 1, 2) - bare) / kernel;
+  }
+  // The slope of the time over the number of guides, both as logarithms.
+  double x = 0, y = 0, xx = 0, xy = 0, n = 0;
+  for (const int guides : {50, 150, 500, 1500, 5000}) {
+    const auto groom = Hair(guides, 10, 0.25);
+    const double time = std::log(Step(*groom, BodiesOf(*groom), 1, 2)), count = std::log(guides);
+    n += 1, x += count, y += time, xx += count * count, xy += count * time;
+  }
+  const double exponent = (n * xy - x * y) / (n * xx - x * x);
+  const auto full = Hair(100'000, 5, 0.2);
+  const int cores = static_cast<int>(std::thread::hardware_concurrency());
+  const auto bodies = BodiesOf(*full);
+  const double full_ms = 1e3 * Step(*full, bodies, cores, 4);
+  const double bare_ms = 1e3 * Step(*full, nullptr, cores, 2);
+  fmt::print(
+      "{{\"contact_over_rod\": {:.3g}, \"contact_over_rod_n5\": {:.3g}, "
+      "\"guides_50_to_5000_exponent\": {:.3g}, \"full_head_100k_ms\": {:.3g}, "
+      "\"full_head_100k_without_contact_ms\": {:.3g}, \"cores\": {}}}\n",
+      over_rod[10], over_rod[5], exponent, full_ms, bare_ms, cores);
+  return 0;
+}
+
+}  // namespace
+}  // namespace mane
+
+int main() { return mane::Main(); }

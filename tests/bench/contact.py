@@ -1,0 +1,32 @@
+"""Times hair among bodies, on this machine.
+
+Wavy hair on a mesh of a walking head with neck and shoulders that move on their own. contact_over_rod
+is what contact adds to a step of 100 guides of 10 elements on one core, over the rod kernel's own
+time for it (goal: 3). The exponent is that of the whole step's time over the number of guides, 1
+being linear. full_head_100k_ms is one step of 100,000 strands of 5 elements on all cores (goal: 33
+on two). The last line is one JSON object. tests/bench/run builds what it needs.
+"""
+
+import argparse
+import json
+import subprocess
+from pathlib import Path
+
+PROGRAM = Path(__file__).resolve().parents[2] / "build" / "bench" / "tests" / "bench" / "contact_speed"
+
+
+def main() -> None:
+    argparse.ArgumentParser(
+        prog="tests/bench/run contact",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    ).parse_args()
+    output = subprocess.run([PROGRAM], check=True, capture_output=True, text=True).stdout
+    result = json.loads(output)
+    for name, value in result.items():
+        print(f"{name:<36}{value:>10}")
+    print(json.dumps(result))
+
+
+if __name__ == "__main__":
+    main()
