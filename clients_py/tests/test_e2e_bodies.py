@@ -175,6 +175,24 @@ def test_lockstep_with_a_moving_body_is_the_same_bits_every_time_and_in_a_bake(c
     np.testing.assert_array_equal([frame.positions for frame in bake.frames()], played)
 
 
+def test_a_body_stays_where_it_was_last_named_and_pushes_hair_aside(client, met):
+    poses = list(shake(0.5).poses())
+    here = {"hand": mane.Pose(position=(0.05, 0.1, 0))}
+    far = {"hand": mane.Pose(position=(5, 0, 0))}
+
+    def play(bodies_of) -> np.ndarray:
+        with client.open_head(met, "lockstep") as head:
+            moving = [
+                mane.Pose(pose.time_s, pose.position, pose.orientation, bodies=bodies_of(k))
+                for k, pose in enumerate(poses)
+            ]
+            return np.array([frame.positions for frame in head.play(moving)])
+
+    once = play(lambda k: {} if k else here)
+    np.testing.assert_array_equal(once, play(lambda k: here))
+    assert np.abs(once - play(lambda k: far)).max() > 0.005
+
+
 @pytest.mark.parametrize("name", ["hnad", "prop", ""])
 def test_a_body_that_does_not_move_cannot_be_placed(client, met, name):
     poses = {"hand": mane.Pose(), name: mane.Pose()}
