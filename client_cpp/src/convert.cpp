@@ -47,6 +47,7 @@ v1::Guide ToProto(const Guide& guide) {
   out.mutable_natural_curvature_2()->Assign(guide.natural_curvature_2.begin(),
                                             guide.natural_curvature_2.end());
   out.set_model(static_cast<v1::StrandModel>(guide.model));
+  out.set_wisp_radius_m(guide.wisp_radius_m);
   return out;
 }
 
@@ -70,6 +71,7 @@ v1::GuideGeneration ToProto(const GuideGeneration& generation) {
   out.set_curl_variation(generation.curl_variation);
   out.set_root_droop(generation.root_droop);
   out.set_model(static_cast<v1::StrandModel>(generation.model));
+  out.set_wisp_radius_m(generation.wisp_radius_m);
   return out;
 }
 
@@ -135,6 +137,9 @@ GroomInfo FromProto(const v1::Groom& groom) {
   out.etag = groom.etag();
   out.has_scalp = groom.has_scalp();
   if (groom.has_import_summary()) out.import_summary = FromProto(groom.import_summary());
+  out.body_count = groom.body_count();
+  for (const v1::BodySummary& body : groom.bodies()) out.bodies.push_back(FromProto(body));
+  if (groom.has_scalp_contact()) out.scalp_contact = FromProto(groom.scalp_contact());
   return out;
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "mane/bodies.h"
 #include "mane/geometry.h"
 #include "mane/groom.h"
 #include "mane/head.h"
@@ -22,11 +23,16 @@ v1::EllipsoidScalp ToProto(const EllipsoidScalp& scalp);
 v1::GuideGeneration ToProto(const GuideGeneration& generation);
 v1::ImportedStrand ToProto(const ImportedStrand& strand);
 v1::ImportOptions ToProto(const ImportOptions& options);
+v1::Body ToProto(const Body& body);  ///< Without the lists of a mesh.
+v1::ScalpContact ToProto(const ScalpContact& contact);
+v1::BodyPose ToProto(const BodyPose& body);
 v1::Environment ToProto(const Environment& environment);
 v1::OpenHead ToProto(const HeadOptions& options);
 
 Pose FromProto(const v1::Pose& pose);  ///< Unset parts are the origin and the identity.
 GroomInfo FromProto(const v1::Groom& groom);
+BodySummary FromProto(const v1::BodySummary& summary);
+ScalpContact FromProto(const v1::ScalpContact& contact);
 ImportSummary FromProto(const v1::ImportSummary& summary);
 ImportReport FromProto(const v1::ImportReport& report);
 
@@ -40,5 +46,7 @@ std::vector<Number> Numbers(const std::string& bytes) {
 
 /// Puts the fields that `change` sets over those of `environment`.
 void Merge(const Environment& change, Environment& environment);
+/// Puts the poses that `change` names over those of `bodies`.
+void Merge(const std::vector<BodyPose>& change, std::vector<BodyPose>& bodies);
 
 }  // namespace mane::inline client

@@ -36,6 +36,7 @@ v1::ImportOptions ToProto(const ImportOptions& options) {
   out.set_hold(options.hold);
   out.set_max_stiffness_factor(options.max_stiffness_factor);
   out.set_stability_margin(options.stability_margin);
+  out.set_wisp_radius_m(options.wisp_radius_m);
   return out;
 }
 

@@ -34,6 +34,7 @@ v1::CreateGroomRequest Header(const GroomUpload& upload) {
   if (const auto* import = std::get_if<StrandImport>(&upload.guides)) {
     *header.mutable_import_options() = ToProto(import->options);
   }
+  if (upload.scalp_contact) *header.mutable_scalp_contact() = ToProto(*upload.scalp_contact);
   return request;
 }
 
@@ -64,19 +65,52 @@ size_t AddStrand(const ImportedStrand& strand, v1::CreateGroomRequest* request) 
   return message->ByteSizeLong();
 }
 
-// Sends one list of a mesh; `field` picks the bytes of the message that it goes to.
-template <typename Number>
-bool WriteList(const std::vector<Number>& numbers, std::string* (v1::TriangleMesh::*field)(),
-               const Write& write) {
-  const size_t step = kBatchBytes / sizeof(Number);
+// Sends one list of a mesh in pieces; `place` makes the request of a piece and tells where its
+// bytes go.
+template <typename Number, typename Place>
+bool WriteList(const std::vector<Number>& numbers, const Place& place, const Write& write) {
+  const size_t step = kBatchBytes / (3 * sizeof(Number)) * 3;  // Whole vertices and triangles.
   for (size_t first = 0; first < numbers.size(); first += step) {
     const size_t count = std::min(step, numbers.size() - first);
     v1::CreateGroomRequest request;
-    (request.mutable_scalp_mesh()->*field)()->assign(
-        reinterpret_cast<const char*>(numbers.data() + first), count * sizeof(Number));
+    place(&request)->assign(reinterpret_cast<const char*>(numbers.data() + first),
+                            count * sizeof(Number));
     if (!write(request)) return false;
   }
   return true;
+}
+
+bool WriteScalp(const TriangleMesh& mesh, const Write& write) {
+  using Request = v1::CreateGroomRequest*;
+  return WriteList(
+             mesh.vertices, [](Request r) { return r->mutable_scalp_mesh()->mutable_vertices(); },
+             write) &&
+         WriteList(
+             mesh.triangles, [](Request r) { return r->mutable_scalp_mesh()->mutable_triangles(); },
+             write) &&
+         WriteList(
+             mesh.hair_triangles,
+             [](Request r) { return r->mutable_scalp_mesh()->mutable_hair_triangles(); }, write);
+}
+
+// A body, then pieces of its mesh under its name.
+bool WriteBody(const Body& body, const Write& write) {
+  v1::CreateGroomRequest request;
+  *request.mutable_body() = ToProto(body);
+  if (!write(request)) return false;
+  const auto* mesh = std::get_if<TriangleMesh>(&body.shape);
+  if (mesh == nullptr) return true;
+  const auto piece = [&body](v1::CreateGroomRequest* r) {
+    r->mutable_body()->set_name(body.name);
+    return r->mutable_body()->mutable_mesh();
+  };
+  return WriteList(
+             mesh->vertices, [&](auto* r) { return piece(r)->mutable_vertices(); }, write) &&
+         WriteList(
+             mesh->triangles, [&](auto* r) { return piece(r)->mutable_triangles(); }, write) &&
+         WriteList(
+             mesh->hair_triangles, [&](auto* r) { return piece(r)->mutable_hair_triangles(); },
+             write);
 }
 
 }  // namespace
@@ -84,11 +118,10 @@ bool WriteList(const std::vector<Number>& numbers, std::string* (v1::TriangleMes
 void ForEachPart(const GroomUpload& upload, const Write& write) {
   if (!write(Header(upload))) return;
   if (const auto* mesh = std::get_if<TriangleMesh>(&upload.scalp)) {
-    const bool written =
-        WriteList(mesh->vertices, &v1::TriangleMesh::mutable_vertices, write) &&
-        WriteList(mesh->triangles, &v1::TriangleMesh::mutable_triangles, write) &&
-        WriteList(mesh->hair_triangles, &v1::TriangleMesh::mutable_hair_triangles, write);
-    if (!written) return;
+    if (!WriteScalp(*mesh, write)) return;
+  }
+  for (const Body& body : upload.bodies) {
+    if (!WriteBody(body, write)) return;
   }
   if (const auto* guides = std::get_if<std::vector<Guide>>(&upload.guides)) {
     if (!WriteBatches(*guides, AddGuide, write)) return;

@@ -25,12 +25,12 @@ Result<void> Head::WaitUntilStreaming(std::chrono::milliseconds timeout) {
   return stream_->WaitUntilStreaming(timeout);
 }
 
-Result<void> Head::PushPose(double time_s, const Pose& pose) {
-  return stream_->Push(HeadStream::Motion::kPose, time_s, pose);
+Result<void> Head::PushPose(double time_s, const Pose& pose, const std::vector<BodyPose>& bodies) {
+  return stream_->Push(HeadStream::Motion::kPose, time_s, pose, bodies);
 }
 
-Result<void> Head::Teleport(double time_s, const Pose& pose) {
-  return stream_->Push(HeadStream::Motion::kTeleport, time_s, pose);
+Result<void> Head::Teleport(double time_s, const Pose& pose, const std::vector<BodyPose>& bodies) {
+  return stream_->Push(HeadStream::Motion::kTeleport, time_s, pose, bodies);
 }
 
 Result<void> Head::Reset() { return stream_->Reset(); }
@@ -41,12 +41,14 @@ Result<void> Head::SetEnvironment(const Environment& environment) {
 
 std::shared_ptr<const Frame> Head::NewestFrame() { return stream_->NewestFrame(); }
 
-Result<std::shared_ptr<const Frame>> Head::Step(double time_s, const Pose& pose) {
-  return stream_->Step(HeadStream::Motion::kPose, time_s, pose);
+Result<std::shared_ptr<const Frame>> Head::Step(double time_s, const Pose& pose,
+                                                const std::vector<BodyPose>& bodies) {
+  return stream_->Step(HeadStream::Motion::kPose, time_s, pose, bodies);
 }
 
-Result<std::shared_ptr<const Frame>> Head::StepTeleport(double time_s, const Pose& pose) {
-  return stream_->Step(HeadStream::Motion::kTeleport, time_s, pose);
+Result<std::shared_ptr<const Frame>> Head::StepTeleport(double time_s, const Pose& pose,
+                                                        const std::vector<BodyPose>& bodies) {
+  return stream_->Step(HeadStream::Motion::kTeleport, time_s, pose, bodies);
 }
 
 HeadStatus Head::Status() const { return stream_->Status(); }

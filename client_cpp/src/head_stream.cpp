@@ -68,15 +68,17 @@ Result<void> HeadStream::WaitUntilStreaming(milliseconds timeout) {
                fmt::format("not streaming after {} ms{}", timeout.count(), reason), ""};
 }
 
-Result<void> HeadStream::Push(Motion motion, double time_s, const Pose& pose) {
+Result<void> HeadStream::Push(Motion motion, double time_s, const Pose& pose,
+                              const std::vector<BodyPose>& bodies) {
   std::lock_guard lock(mutex_);
   if (auto open = OpenLocked(Pacing::kRealtime, "Step() or StepTeleport()"); !open) return open;
-  if (auto put = PutLocked(motion, time_s, pose); !put) return put;
+  if (auto put = PutLocked(motion, time_s, pose, bodies); !put) return put;
   PumpLocked();
   return {};
 }
 
-Result<HeadStream::FramePtr> HeadStream::Step(Motion motion, double time_s, const Pose& pose) {
+Result<HeadStream::FramePtr> HeadStream::Step(Motion motion, double time_s, const Pose& pose,
+                                              const std::vector<BodyPose>& bodies) {
   std::lock_guard one_at_a_time(step_mutex_);
   std::unique_lock lock(mutex_);
   const auto deadline = Clock::now() + options_.step_timeout;
@@ -87,7 +89,7 @@ Result<HeadStream::FramePtr> HeadStream::Step(Motion motion, double time_s, cons
   if (!changed_.wait_until(lock, deadline, settled)) return MissedStepLocked(time_s);
   if (auto closed = ClosedLocked()) return *closed;
 
-  if (auto put = PutLocked(motion, time_s, pose); !put) return put.error();
+  if (auto put = PutLocked(motion, time_s, pose, bodies); !put) return put.error();
   ++poses_stepped_;
   PumpLocked();
   changed_.wait_until(lock, deadline, [this] {
@@ -171,7 +173,8 @@ Result<void> HeadStream::OpenLocked(Pacing wanted, const char* instead) const {
                fmt::format("the head's pacing wants {} instead", instead), "pacing"};
 }
 
-Result<void> HeadStream::PutLocked(Motion motion, double time_s, const Pose& pose) {
+Result<void> HeadStream::PutLocked(Motion motion, double time_s, const Pose& pose,
+                                   const std::vector<BodyPose>& bodies) {
   if (!(time_s > last_time_s_)) {
     return Error{
         ErrorCode::kInvalidArgument,
@@ -180,10 +183,15 @@ Result<void> HeadStream::PutLocked(Motion motion, double time_s, const Pose& pos
   }
   last_time_s_ = time_s;
   last_pose_ = pose;
+  // In real time a pose may replace another before it is sent, and a head be opened anew: each says
+  // where all bodies are that any has placed.
+  const bool realtime = options_.pacing == Pacing::kRealtime;
+  if (realtime) Merge(bodies, bodies_);
+  const std::vector<BodyPose>& named = realtime ? bodies_ : bodies;
   if (motion == Motion::kPose) {
-    outbox_.PutPose(time_s, pose);
+    outbox_.PutPose(time_s, pose, named);
   } else {
-    outbox_.PutTeleport(time_s, pose);
+    outbox_.PutTeleport(time_s, pose, named);
   }
   return {};
 }

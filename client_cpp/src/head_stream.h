@@ -46,8 +46,10 @@ class HeadStream final : public AnimateCall::Events,
 
   // The methods of Head.
   Result<void> WaitUntilStreaming(std::chrono::milliseconds timeout);
-  Result<void> Push(Motion motion, double time_s, const Pose& pose);
-  Result<FramePtr> Step(Motion motion, double time_s, const Pose& pose);
+  Result<void> Push(Motion motion, double time_s, const Pose& pose,
+                    const std::vector<BodyPose>& bodies);
+  Result<FramePtr> Step(Motion motion, double time_s, const Pose& pose,
+                        const std::vector<BodyPose>& bodies);
   Result<void> Reset();
   Result<void> SetEnvironment(const Environment& change);
   FramePtr NewestFrame();
@@ -79,7 +81,8 @@ class HeadStream final : public AnimateCall::Events,
   void EndLocked(std::optional<Error> error);
   void CancelCallsLocked();
   Error MissedStepLocked(double time_s);  // Ends the head.
-  Result<void> PutLocked(Motion motion, double time_s, const Pose& pose);
+  Result<void> PutLocked(Motion motion, double time_s, const Pose& pose,
+                         const std::vector<BodyPose>& bodies);
   Result<void> OpenLocked(Pacing wanted, const char* instead) const;
   std::optional<Error> ClosedLocked() const;
 
@@ -117,6 +120,7 @@ class HeadStream final : public AnimateCall::Events,
   Outbox outbox_;
   Environment environment_;  // All changes so far, for a head that is opened anew.
   Pose last_pose_;
+  std::vector<BodyPose> bodies_;  // kRealtime: newest poses of all that were placed.
   double last_time_s_ = -std::numeric_limits<double>::infinity();
   std::unique_ptr<grpc::Alarm> ack_timer_;
   bool ack_due_ = false;

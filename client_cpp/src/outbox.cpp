@@ -7,19 +7,22 @@
 namespace mane::inline client {
 namespace {
 
-v1::HeadPose Timed(double time_s, const Pose& pose) {
+v1::HeadPose Timed(double time_s, const Pose& pose, const std::vector<BodyPose>& bodies) {
   v1::HeadPose out;
   out.set_time_s(time_s);
   *out.mutable_pose() = ToProto(pose);
+  for (const BodyPose& body : bodies) *out.add_bodies() = ToProto(body);
   return out;
 }
 
 }  // namespace
 
-void Outbox::PutPose(double time_s, const Pose& pose) { pose_ = Timed(time_s, pose); }
+void Outbox::PutPose(double time_s, const Pose& pose, const std::vector<BodyPose>& bodies) {
+  pose_ = Timed(time_s, pose, bodies);
+}
 
-void Outbox::PutTeleport(double time_s, const Pose& pose) {
-  teleport_ = Timed(time_s, pose);
+void Outbox::PutTeleport(double time_s, const Pose& pose, const std::vector<BodyPose>& bodies) {
+  teleport_ = Timed(time_s, pose, bodies);
   pose_.reset();
 }
 

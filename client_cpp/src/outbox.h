@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "mane/head.h"
 #include "mane/v1/animation.pb.h"
@@ -12,8 +13,8 @@ namespace mane::inline client {
 /// environments merge. Not thread-safe.
 class Outbox {
  public:
-  void PutPose(double time_s, const Pose& pose);
-  void PutTeleport(double time_s, const Pose& pose);
+  void PutPose(double time_s, const Pose& pose, const std::vector<BodyPose>& bodies = {});
+  void PutTeleport(double time_s, const Pose& pose, const std::vector<BodyPose>& bodies = {});
   void PutReset() { reset_ = true; }
   void PutEnvironment(const Environment& change);
 

@@ -65,6 +65,7 @@ TEST(GroomUpload, CarriesEveryParameterOfAGuide) {
   guide.natural_curvature_1 = {7, 8};
   guide.natural_curvature_2 = {9};
   guide.model = StrandModel::kWound;
+  guide.wisp_radius_m = 0.01;
   GroomUpload upload;
   upload.guides = std::vector{guide};
 
@@ -88,6 +89,7 @@ TEST(GroomUpload, CarriesEveryParameterOfAGuide) {
   EXPECT_EQ(sent.natural_curvature_1(1), 8);
   EXPECT_EQ(sent.natural_curvature_2(0), 9);
   EXPECT_EQ(sent.model(), v1::STRAND_MODEL_WOUND);
+  EXPECT_EQ(sent.wisp_radius_m(), 0.01);
 }
 
 TEST(GroomUpload, ConcatenatedMeshPiecesAreTheMesh) {
@@ -127,6 +129,7 @@ TEST(GroomUpload, SendsEveryStrandOnceInOrderWithItsOptions) {
   import.options.hold = false;
   import.options.max_stiffness_factor = 7;
   import.options.stability_margin = 0.2;
+  import.options.wisp_radius_m = 0.02;
   for (int i = 0; i < 200; ++i) {
     ImportedStrand strand;
     strand.points.assign(3000, static_cast<float>(i));
@@ -153,6 +156,7 @@ TEST(GroomUpload, SendsEveryStrandOnceInOrderWithItsOptions) {
   EXPECT_TRUE(options.has_hold() && !options.hold());
   EXPECT_EQ(options.max_stiffness_factor(), 7);
   EXPECT_EQ(options.stability_margin(), 0.2);
+  EXPECT_EQ(options.wisp_radius_m(), 0.02);
   EXPECT_GT(parts.size(), 4u);
   EXPECT_TRUE(parts.back().has_commit());
   int expected = 0;
@@ -177,6 +181,49 @@ TEST(GroomUpload, SendsEveryStrandOnceInOrderWithItsOptions) {
     }
   }
   EXPECT_EQ(expected, 200);
+}
+
+TEST(GroomUpload, SendsEveryFieldOfABodyAndItsMeshInPieces) {
+  TriangleMesh mesh;
+  for (int i = 0; i < 300'000; ++i) mesh.vertices.push_back(static_cast<float>(i));
+  for (std::uint32_t i = 0; i < 150'000; ++i) mesh.triangles.push_back(99'999 - i / 2);
+  GroomUpload upload;
+  upload.guides = std::vector<Guide>(1);
+  upload.scalp_contact = ScalpContact{.material = Material::kSkin, .friction = 0.5};
+  upload.bodies = {{.name = "ball", .shape = EllipsoidBody{{1, 2, 3}}, .friction_anisotropy = 0.1},
+                   {.name = "arm",
+                    .shape = CapsuleBody{{1, 0, 0}, {0, 1, 0}, 0.2},
+                    .moving = true,
+                    .pose = {{4, 5, 6}, {0, 1, 0, 0}}},
+                   {.name = "coat", .shape = mesh, .material = Material::kWool}};
+
+  const auto parts = Parts(upload);
+  const v1::ScalpContact& scalp = parts[0].header().scalp_contact();
+  EXPECT_EQ(scalp.material(), v1::MATERIAL_SKIN);
+  EXPECT_EQ(scalp.friction(), 0.5);
+  EXPECT_FALSE(scalp.has_friction_anisotropy());
+  EXPECT_EQ(parts[1].body().name(), "ball");
+  EXPECT_EQ(parts[1].body().ellipsoid().radii_m().z(), 3);
+  EXPECT_EQ(parts[1].body().friction_anisotropy(), 0.1);
+  EXPECT_FALSE(parts[1].body().has_friction());
+  EXPECT_EQ(parts[2].body().capsule().b().y(), 1);
+  EXPECT_EQ(parts[2].body().capsule().radius_m(), 0.2);
+  EXPECT_TRUE(parts[2].body().moving());
+  EXPECT_EQ(parts[2].body().pose().position().y(), 5);
+  EXPECT_EQ(parts[2].body().pose().orientation().y(), 1);
+  EXPECT_EQ(parts[3].body().material(), v1::MATERIAL_WOOL);
+  std::string vertices, triangles;
+  for (size_t i = 3; i + 2 < parts.size(); ++i) {
+    EXPECT_EQ(parts[i].body().name(), "coat");
+    EXPECT_TRUE(i == 3 || !parts[i].body().has_pose());
+    EXPECT_EQ(parts[i].body().mesh().vertices().size() % 12, 0u);
+    vertices += parts[i].body().mesh().vertices();
+    triangles += parts[i].body().mesh().triangles();
+  }
+  ASSERT_EQ(vertices.size(), 4 * mesh.vertices.size());
+  EXPECT_EQ(std::memcmp(vertices.data(), mesh.vertices.data(), vertices.size()), 0);
+  ASSERT_EQ(triangles.size(), 4 * mesh.triangles.size());
+  EXPECT_EQ(std::memcmp(triangles.data(), mesh.triangles.data(), triangles.size()), 0);
 }
 
 TEST(GroomUpload, StopsWhenTheStreamBreaks) {

@@ -24,6 +24,17 @@ TEST(Outbox, KeepsOnlyTheNewestPose) {
   EXPECT_TRUE(outbox.empty());
 }
 
+TEST(Outbox, PosesCarryBodies) {
+  Outbox outbox;
+  outbox.PutTeleport(1, At(1), {{"hand", At(5)}});
+  outbox.PutPose(2, At(2), {{"hand", At(6)}, {"hat", At(7)}});
+  EXPECT_EQ(outbox.Take().teleport().bodies(0).pose().position().x(), 5);
+  const auto message = outbox.Take();
+  ASSERT_EQ(message.pose().bodies_size(), 2);
+  EXPECT_EQ(message.pose().bodies(1).name(), "hat");
+  EXPECT_EQ(message.pose().bodies(1).pose().position().x(), 7);
+}
+
 TEST(Outbox, SendsChangesBeforeThePoseTheyWereMadeFor) {
   Outbox outbox;
   outbox.PutPose(1, At(1));

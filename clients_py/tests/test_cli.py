@@ -68,6 +68,10 @@ def test_bare_command_shows_a_first_tour():
         ["groom", "create"],
         ["groom", "create", "x", "--hair-type", "bald"],
         ["groom", "create", "x", "--unit", "yard"],
+        ["groom", "create", "x", "--body", "hat"],
+        ["groom", "create", "x", "--body", "hat=no-such-file.obj"],
+        ["groom", "create", "x", "--body-material", "stone"],
+        ["groom", "create", "x", "--wisp-radius", "0.2"],
         ["groom", "import", "no-such-file.npz", "x"],
         ["groom", "import", __file__, "x", "--unit", "yard"],
         ["groom", "import", __file__, "x", "--axes", "inside out"],
@@ -137,6 +141,17 @@ def test_hair_grows_on_an_obj_file(maned, tmp_path):
                server=maned.address)  # fmt: skip
     assert "5 guides" in made
     run("groom", "delete", "cli-obj", server=maned.address)
+
+
+def test_hair_meets_scalp_and_bodies(maned, tmp_path):
+    obj = tmp_path / "bust.obj"
+    mane.mesh.save_obj(obj, mane.mesh.mannequin())
+    run("groom", "create", "cli-met", "--guides", "5", "--scalp-contact", "--body",
+        f"bust={obj}", "--body-material", "wool", "--wisp-radius", "0.01",
+        server=maned.address)  # fmt: skip
+    shown = run("groom", "show", "cli-met", server=maned.address)
+    assert "scalp, bust (mesh of " in shown
+    run("groom", "delete", "cli-met", server=maned.address)
 
 
 def test_strands_are_imported_reported_and_drawn(maned, tmp_path):

@@ -10,7 +10,7 @@ import pytest
 
 import mane
 from conftest import make_guide, make_guides
-from mane import messages
+from mane import messages, value_messages
 from mane.helix import Strands
 
 
@@ -135,7 +135,7 @@ def test_generated_hair_is_the_same_for_the_same_seed(keep, client):
 
 def test_a_mesh_larger_than_a_message_comes_back(keep, client):
     scalp = sphere(240, 240)
-    assert scalp.vertices.nbytes > messages.PIECE_BYTES
+    assert scalp.vertices.nbytes > value_messages.PIECE_BYTES
     generate = mane.GuideGeneration("asian_smooth", 5, 0.1, 3)
     exported = client.export_groom(keep(scalp=scalp, generate=generate))
     for name in ("vertices", "triangles", "hair_triangles"):

@@ -182,11 +182,11 @@ def test_options_come_back_as_applied(client, keep):
     groom = keep(
         [np.linspace((0, 0, 0), (0, -0.1, 0), 10)],
         hair_type="caucasian_curly", properties=properties, element_count=7, error_bound_m=0,
-        noise_m=1e-4, max_stiffness_factor=2, stability_margin=0.05,
+        noise_m=1e-4, max_stiffness_factor=2, stability_margin=0.05, wisp_radius_m=0.01,
     )  # fmt: skip
     options = client.import_report(groom).options
     assert options == mane.ImportOptions(
-        mane.HairType.CAUCASIAN_CURLY, properties, 7, 0, 1e-4, True, 2, 0.05
+        mane.HairType.CAUCASIAN_CURLY, properties, 7, 0, 1e-4, True, 2, 0.05, 0.01
     )
     guide = client.export_groom(groom).guides[0]
     assert guide.young_modulus_pa == 3e9 and guide.air_drag == 2e-5

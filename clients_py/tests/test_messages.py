@@ -9,9 +9,9 @@ import pytest
 
 import mane
 from conftest import make_guide, make_guides
-from mane import messages
+from mane import messages, value_messages
 from mane.helix import Strands
-from mane.v1 import groom_pb2
+from mane.v1 import groom_pb2, types_pb2
 
 MESSAGE_LIMIT = 1024 * 1024
 
@@ -49,6 +49,36 @@ def assert_same_guide(a: mane.Guide, b: mane.Guide) -> None:
         np.testing.assert_array_equal(getattr(a, field.name), getattr(b, field.name), field.name)
 
 
+def test_bodies_travel_in_pieces_below_the_limit_and_come_back():
+    big = big_mesh()
+    bodies = [
+        mane.Body("ball", mane.EllipsoidBody((0.1, 0.2, 0.1)), material="wool", moving=True),
+        mane.Body("coat", big, friction=0.7),
+    ]
+    header = messages.create_header("id", "name", None, mane.ScalpContact("skin", 0.5))
+    requests = list(messages.create_groom(header, (), None, bodies))
+    assert all(request.ByteSize() < MESSAGE_LIMIT for request in requests)
+    assert requests[0].header.scalp_contact.friction == 0.5
+    assert not requests[0].header.scalp_contact.HasField("friction_anisotropy")
+    assert requests[1].body.material == groom_pb2.MATERIAL_WOOL
+    assert not requests[1].body.HasField("friction")
+    parts = messages.ExportedGroom()
+    parts.add(groom_pb2.ExportGroomResponse(groom=groom_pb2.Groom(body_count=2)))
+    for request in requests[1:-1]:
+        assert not request.body.mesh.hair_triangles
+        parts.add(groom_pb2.ExportGroomResponse(body=request.body))
+    ball, coat = parts.groom().bodies
+    assert ball.material == mane.Material.WOOL and ball.moving and coat.friction == 0.7
+    np.testing.assert_array_equal(coat.shape.vertices, big.vertices)
+    np.testing.assert_array_equal(coat.shape.triangles, big.triangles)
+
+
+def test_a_pose_carries_bodies():
+    pose = mane.Pose(1.0, bodies={"hand": mane.Pose(position=(1, 2, 3))})
+    sent = messages.head_pose(pose).bodies
+    assert [body.name for body in sent] == ["hand"] and sent[0].pose.position.z == 3
+
+
 def test_guides_survive_the_way_there_and_back():
     guides = [
         *make_guides(5),
@@ -71,7 +101,7 @@ def test_big_uploads_travel_in_messages_under_the_limit():
 
 def test_mesh_pieces_hold_whole_vertices_and_add_up():
     mesh = big_mesh()
-    pieces = list(messages.mesh_pieces(mesh))
+    pieces = list(value_messages.mesh_pieces(mesh))
     assert all(len(piece.vertices) % 12 == len(piece.triangles) % 12 == 0 for piece in pieces)
     back = download(upload([], mesh), 0).scalp
     np.testing.assert_array_equal(back.vertices, mesh.vertices)
@@ -150,6 +180,6 @@ def test_wrong_shapes_of_a_guide_are_refused_by_field(changes, field):
 
 
 def test_unset_orientation_means_identity():
-    pose = messages.from_rigid(2.0, messages.types_pb2.Pose())
+    pose = value_messages.from_rigid(2.0, types_pb2.Pose())
     assert pose.time_s == 2.0
     np.testing.assert_array_equal(pose.orientation, (0, 0, 0, 1))

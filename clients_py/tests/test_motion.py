@@ -72,6 +72,25 @@ def about(axis: int, degrees: float) -> np.ndarray:
     return matrix
 
 
+def test_bodies_move_along_with_the_motion():
+    hand = random_motion()
+    rng = np.random.default_rng(5)
+    motion = mane.Motion(hand.times_s, rng.normal(size=(len(hand), 3)), bodies={"hand": hand})
+    for k, pose in enumerate(motion.poses()):
+        np.testing.assert_array_equal(pose.bodies["hand"].position, hand.positions[k])
+        np.testing.assert_array_equal(pose.bodies["hand"].orientation, hand.orientations[k])
+    again = motion.resampled(30).bodies["hand"]
+    np.testing.assert_array_equal(again.positions, hand.resampled(30).positions)
+    moved = motion.shifted(time_s=2, world=(1, 2, 3), head=(0, 5, 0)).bodies["hand"]
+    np.testing.assert_allclose(moved.positions, hand.positions + (1, 2, 3))
+    np.testing.assert_allclose(moved.times_s, hand.times_s + 2)
+
+
+def test_bodies_of_other_times_are_refused():
+    with pytest.raises(mane.InvalidArgument, match="hand"):
+        mane.Motion([0.0, 1.0], bodies={"hand": mane.Motion([0.0, 1.5])})
+
+
 def test_bvh_rest_pose_is_upright_and_scaled_to_the_height(tmp_path):
     motion = read_bvh(write(tmp_path, BVH), height_m=1.4)
     np.testing.assert_allclose(motion.positions[0], [0.1, 1.2, 0.2], atol=1e-15)

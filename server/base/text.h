@@ -15,4 +15,14 @@ namespace mane::base {
   return shown;
 }
 
+/// Whether `text` is 1 to `most` of a-z, 0-9 and `others`, and begins and ends with one of the
+/// first two.
+[[nodiscard]] inline bool IsIdentifier(std::string_view text, size_t most,
+                                       std::string_view others) {
+  const auto plain = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9'); };
+  return !text.empty() && text.size() <= most && plain(text.front()) && plain(text.back()) &&
+         std::ranges::all_of(text,
+                             [&](char c) { return plain(c) || others.find(c) != others.npos; });
+}
+
 }  // namespace mane::base

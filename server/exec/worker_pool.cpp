@@ -2,7 +2,6 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
-#include <thread>
 #include <utility>
 
 #include "base/check.h"
@@ -10,17 +9,16 @@
 namespace mane::exec {
 namespace {
 
-// oneTBB shares its threads among all arenas and starts at most as many as the largest live
-// global_control allows, so each pool asks for the machine's own plus a margin for other pools.
-size_t Parallelism(int workers) {
-  return static_cast<size_t>(workers) + std::thread::hardware_concurrency() + 4;
-}
+// oneTBB shares its threads among all arenas and starts at most as many as the smallest live
+// global_control allows, so each pool asks for more than all pools together can use: a pool whose
+// workers wait for a disk or for each other takes none from another. Threads start when needed.
+constexpr size_t kParallelism = 4096;
 
 }  // namespace
 
 WorkerPool::WorkerPool(int workers)
     : workers_(workers),
-      parallelism_(tbb::global_control::max_allowed_parallelism, Parallelism(workers)),
+      parallelism_(tbb::global_control::max_allowed_parallelism, kParallelism),
       arena_(workers, /*reserved_for_masters=*/0) {
   MANE_CHECK(workers >= 1);
 }

@@ -85,7 +85,7 @@ class WorkerPool {
   void RunNext();
 
   const int workers_;
-  tbb::global_control parallelism_;  // The process-wide limit counts every pool's workers.
+  tbb::global_control parallelism_;  // The process-wide limit, above every pool's workers.
   tbb::task_arena arena_;
   std::mutex mutex_;
   std::condition_variable idle_;

@@ -225,6 +225,24 @@ TEST(WorkerPoolTest, PostRunsOnAnotherThreadAndDoesNotBlock) {
   EXPECT_NE(runner.load(), std::this_thread::get_id());
 }
 
+TEST(WorkerPoolTest, PoolsWhoseWorkersWaitTakeNoneFromOthers) {
+  // One worker more than would be there if the smallest pool, or the machine, set the limit.
+  const int each = static_cast<int>(std::thread::hardware_concurrency()) + 6;
+  WorkerPool small(1), a(each), b(each);
+  std::atomic<int> waiting{0}, met{0};
+  const auto wait_for_all = [&] {
+    ++waiting;
+    met += Eventually([&] { return waiting == 2 * each + 1; }) ? 1 : 0;
+  };
+  small.Post(wait_for_all);
+  for (int i = 0; i < each; ++i) {
+    a.Post(wait_for_all);
+    b.Post(wait_for_all);
+  }
+  for (WorkerPool* pool : {&small, &a, &b}) pool->WaitIdle();
+  EXPECT_EQ(met, 2 * each + 1);
+}
+
 TEST(WorkerPoolTest, PostedTasksMayLoopInParallel) {
   for (const int workers : {1, 2, 4}) {
     WorkerPool pool(workers);

@@ -10,6 +10,7 @@
 #include "groom/range.h"
 #include "groom/rest.h"
 #include "groom/validate.h"
+#include "groom/validate_body.h"
 
 namespace mane::groom {
 namespace {
@@ -48,7 +49,8 @@ Result<void> Validate(const Parts& parts, const Limits& limits) {
     return InvalidArgument("rest", fmt::format("rest holds {} numbers; it must hold {}, all finite",
                                                parts.rest.size(), coordinates));
   }
-  return ValidateScalp(parts.scalp, limits);
+  if (auto scalp = ValidateScalp(parts.scalp, limits); !scalp) return scalp;
+  return ValidateBodies(parts.bodies, parts.scalp_friction, parts.scalp, limits);
 }
 
 }  // namespace
@@ -62,6 +64,11 @@ Result<std::shared_ptr<const Groom>> Assemble(Parts parts, const Limits& limits,
   groom->seed = parts.seed;
   groom->scalp = std::move(parts.scalp);
   groom->guides = std::move(parts.guides);
+  groom->bodies = std::move(parts.bodies);
+  groom->scalp_friction = parts.scalp_friction;
+  groom->has_contact =
+      !groom->bodies.empty() || groom->scalp_friction ||
+      std::ranges::any_of(groom->guides, [](const Guide& guide) { return guide.wisp_radius > 0; });
 
   groom->first_element = {0};
   groom->first_coordinate = {0};

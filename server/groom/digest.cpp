@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 #include <xxhash.h>
 
+#include <algorithm>
 #include <bit>
 #include <memory>
+#include <string_view>
 #include <type_traits>
 
 #include "base/check.h"
@@ -82,6 +84,52 @@ void AddGuide(const Guide& guide, Hasher* hasher) {
   hasher->Add(guide.strand.air_drag);
 }
 
+struct AddShape {
+  Hasher* hasher;
+
+  void operator()(const Body::Ellipsoid& ellipsoid) const { hasher->Add(ellipsoid.radii); }
+  void operator()(const Body::Capsule& capsule) const {
+    hasher->Add(capsule.a);
+    hasher->Add(capsule.b);
+    hasher->Add(capsule.radius);
+  }
+  void operator()(const std::shared_ptr<const Body::Mesh>& mesh) const {
+    hasher->AddList(mesh->vertices);
+    hasher->AddList(mesh->triangles);
+  }
+};
+
+void AddFriction(const Friction& friction, Hasher* hasher) {
+  hasher->Add(friction.coefficient);
+  hasher->Add(friction.anisotropy);
+}
+
+void AddBody(const Body& body, Hasher* hasher) {
+  hasher->AddList(body.name);
+  hasher->Add(uint32_t(body.shape.index()));
+  std::visit(AddShape{hasher}, body.shape);
+  AddFriction(body.friction, hasher);
+  hasher->Add(uint32_t{body.moving});
+  hasher->Add(body.pose.p);
+  for (const double component : body.pose.q.coeffs()) hasher->Add(component);
+}
+
+// What hair meets. Nothing where it meets nothing, so that older grooms keep their etag.
+void AddContact(const Groom& groom, Hasher* hasher) {
+  if (std::ranges::any_of(groom.guides, [](const Guide& g) { return g.wisp_radius != 0; })) {
+    hasher->AddList(std::string_view("wisps"));
+    for (const Guide& guide : groom.guides) hasher->Add(guide.wisp_radius);
+  }
+  if (groom.scalp_friction) {
+    hasher->AddList(std::string_view("scalp"));
+    AddFriction(*groom.scalp_friction, hasher);
+  }
+  if (groom.bodies.empty()) return;
+  hasher->AddList(std::string_view("bodies"));
+  hasher->Add(uint64_t{groom.bodies.size()});
+  for (const Body& body : groom.bodies) AddBody(body, hasher);
+}
+
 }  // namespace
 
 std::string Digest(const Groom& groom) {
@@ -92,6 +140,7 @@ std::string Digest(const Groom& groom) {
   AddScalp(groom.scalp, &hasher);
   hasher.Add(uint64_t{groom.guides.size()});
   for (const Guide& guide : groom.guides) AddGuide(guide, &hasher);
+  AddContact(groom, &hasher);
   return hasher.Hex();
 }
 

@@ -39,6 +39,16 @@ TEST(DigestTest, IsThirtyTwoHexadecimalDigitsOfTheContentOnly) {
   EXPECT_EQ(Digest(groom).find_first_not_of("0123456789abcdef"), std::string::npos);
 }
 
+Body Ball() { return {"hat", Body::Ellipsoid{{1, 1, 1}}, {}, false, {}}; }
+
+std::shared_ptr<const Body::Mesh> MeshOf(const Body::Mesh& mesh) {
+  return std::make_shared<const Body::Mesh>(mesh);
+}
+
+TEST(DigestTest, OfAGroomWhoseHairMeetsNothingIsThatOfEarlierReleases) {
+  EXPECT_EQ(Digest(MakeGroom()), "7f4aa6eecbebb095f59b8db48c51a33e");
+}
+
 TEST(DigestTest, ChangesWithEveryField) {
   const auto mesh = [](Groom& g) -> TriangleMesh& { return std::get<TriangleMesh>(g.scalp); };
   const std::function<void(Groom&)> changes[] = {
@@ -84,6 +94,37 @@ TEST(DigestTest, ChangesWithEveryField) {
       [](Groom& g) { g.guides[0].strand.natural[2].x() = 1; },
       [](Groom& g) { g.guides[0].strand.internal_friction = 1; },
       [](Groom& g) { g.guides[0].strand.air_drag = 1; },
+      [](Groom& g) { g.guides[0].wisp_radius = 0.01; },
+      [](Groom& g) { g.guides[1].wisp_radius = 0.01; },
+      [](Groom& g) { g.scalp_friction = Friction(); },
+      [](Groom& g) {
+        g.scalp_friction = Friction{0.3, 0};
+      },
+      [](Groom& g) { g.bodies = {Ball()}; },
+      [](Groom& g) {
+        g.bodies = {Ball(), Ball()};
+      },
+      [](Groom& g) { (g.bodies = {Ball()})[0].name = "cap"; },
+      [](Groom& g) { (g.bodies = {Ball()})[0].friction.coefficient = 0.4; },
+      [](Groom& g) { (g.bodies = {Ball()})[0].friction.anisotropy = 0; },
+      [](Groom& g) { (g.bodies = {Ball()})[0].moving = true; },
+      [](Groom& g) { (g.bodies = {Ball()})[0].pose.p.x() = 1; },
+      [](Groom& g) { (g.bodies = {Ball()})[0].pose.q = Eigen::Quaterniond(0, 1, 0, 0); },
+      [](Groom& g) {
+        (g.bodies = {Ball()})[0].shape = Body::Ellipsoid{{1, 1, 2}};
+      },
+      [](Groom& g) {
+        (g.bodies = {Ball()})[0].shape = Body::Capsule{{1, 1, 1}, {0, 0, 0}, 1};
+      },
+      [](Groom& g) {
+        (g.bodies = {Ball()})[0].shape = Body::Capsule{{1, 1, 1}, {0, 0, 0}, 2};
+      },
+      [](Groom& g) {
+        (g.bodies = {Ball()})[0].shape = MeshOf({{{0, 0, 1}}, {}});
+      },
+      [](Groom& g) {
+        (g.bodies = {Ball()})[0].shape = MeshOf({{{0, 0, 1}}, {{0, 0, 0}}});
+      },
   };
   std::set<std::string> digests;
   for (const auto& change : changes) {

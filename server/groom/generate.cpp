@@ -66,6 +66,7 @@ Result<void> Validate(const Scalp& scalp, const Generation& generation, const Li
       {".error_target", generation.error_target.value_or(kDefaultErrorTarget), {1e-3, 0.2}},
       {".curl_variation", generation.curl_variation, {0, 1}},
       {".root_droop", generation.root_droop, {0, 1}},
+      {".wisp_radius_m", generation.wisp_radius_m, kWispRadiusRange},
   };
   for (const auto& field : fields) {
     if (!field.range.Contains(field.value)) {
@@ -143,6 +144,7 @@ Result<std::vector<Guide>> Generate(const Scalp& scalp, const Generation& genera
   const Vector3d mean = NaturalCurvature(preset);
   const std::vector<ScalpPoint> roots = SampleScalp(scalp, n, generation.seed);
   GuideDescription d = CommonDescription(preset, lengths);
+  d.wisp_radius_m = generation.wisp_radius_m;
   std::vector<Guide> guides;
   guides.reserve(n);
   for (int i = 0; i < n; ++i) {

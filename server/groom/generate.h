@@ -27,6 +27,7 @@ struct Generation {
   /// Where absent, kWound where rod::IsWound says so of hair of even curl. Guides whose own curl
   /// varies too much for that are plain all the same.
   std::optional<StrandModel> model = std::nullopt;
+  double wisp_radius_m = 0;  ///< Of every guide.
 };
 
 /// Guides of one preset on `scalp`: roots by SampleScalp, frames by RootFrame with a uniform random

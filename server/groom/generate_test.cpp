@@ -292,7 +292,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadRequest{"LargeVariation", [](G& g) { g.curl_variation = 1.1; }, "curl_variation"},
         BadRequest{"NanVariation", [](G& g) { g.curl_variation = kNan; }, "curl_variation"},
         BadRequest{"LargeDroop", [](G& g) { g.root_droop = 2; }, "root_droop"},
-        BadRequest{"NanDroop", [](G& g) { g.root_droop = kNan; }, "root_droop"}),
+        BadRequest{"NanDroop", [](G& g) { g.root_droop = kNan; }, "root_droop"},
+        BadRequest{"LargeWisp", [](G& g) { g.wisp_radius_m = 0.2; }, "wisp_radius_m"}),
     [](const auto& bad) { return bad.param.name; });
 
 TEST(GenerateTest, NeedsAValidScalp) {

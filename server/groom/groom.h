@@ -66,11 +66,13 @@ struct Groom {
   Scalp scalp;
   std::vector<Guide> guides;
   std::vector<Body> bodies;
-  /// Whether hair meets the scalp itself, and how it rubs there; the scalp counts as a body fixed to
-  /// the head.
+  /// Whether hair meets the scalp itself, and how it rubs there; the scalp counts as a body fixed
+  /// to the head.
   std::optional<Friction> scalp_friction;
 
   // Derived by Assemble().
+  /// Whether its hair meets anything: a body, the scalp, or other wisps.
+  bool has_contact = false;
   /// Index of each guide's first element in arrays over all elements, and their total at the end,
   /// (guides + 1).
   std::vector<int> first_element;

@@ -189,6 +189,7 @@ Result<ImportedGuide> ImportStrand(const ImportedStrand& strand, const ImportOpt
   d.root_position = fit.root.p;
   d.root_frame = fit.root.q;
   d.element_lengths_m = fit.length;
+  d.wisp_radius_m = options.wisp_radius_m;
   auto weightless = MakeGuide(d, index);
   if (!weightless) return weightless.error();
   rod::Strand& rod = weightless->strand;
@@ -222,6 +223,7 @@ Result<void> ValidateImportOptions(const ImportOptions& options) {
       {"noise_m", options.noise_m.value_or(0), {0, 0.1, "m"}},
       {"max_stiffness_factor", options.max_stiffness_factor, {1, 1000}},
       {"stability_margin", options.stability_margin, {0, 0.9}},
+      {"wisp_radius_m", options.wisp_radius_m, kWispRadiusRange},
   };
   for (const auto& field : fields) {
     if (!field.range.Contains(field.value)) {

@@ -49,6 +49,7 @@ struct ImportOptions {
   bool hold = true;
   double max_stiffness_factor = 4;
   double stability_margin = 0.1;
+  double wisp_radius_m = 0;  ///< Of every guide.
 };
 
 /// What became of one strand; mane.v1.ImportReport.

@@ -302,6 +302,7 @@ TEST(ImportTest, WhatIsOutOfRangeIsNamed) {
       {"noise_m", [](auto* o) { o->noise_m = 0.2; }},
       {"max_stiffness_factor", [](auto* o) { o->max_stiffness_factor = 0.5; }},
       {"stability_margin", [](auto* o) { o->stability_margin = 1; }},
+      {"wisp_radius_m", [](auto* o) { o->wisp_radius_m = -1; }},
       {"properties.young_modulus_pa", [](auto* o) { o->properties.young_modulus_pa = 0; }},
   };
   EXPECT_TRUE(ValidateImportOptions(options));

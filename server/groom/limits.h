@@ -21,6 +21,13 @@ struct Limits {
   int max_vertices = 2'000'000;
   /// Triangles of a scalp mesh, >= 1; 12 bytes each.
   int max_triangles = 2'000'000;
+  /// Bodies that hair meets, >= 0.
+  int max_bodies = 64;
+  /// Vertices of all body meshes together, >= 0; 12 bytes each. With triangles they bound how long
+  /// their distance fields take: seconds to a minute of one core at this limit.
+  int max_body_vertices = 500'000;
+  /// Triangles of all body meshes together, >= 0; 12 bytes each.
+  int max_body_triangles = 1'000'000;
 };
 
 }  // namespace mane::groom

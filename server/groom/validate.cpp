@@ -150,6 +150,10 @@ Result<Guide> MakeGuide(const GuideDescription& d, int index) {
   strand.linear_density = rod::LinearDensity(guide.section, guide.material);
   strand.internal_friction = d.internal_friction;
   strand.air_drag = d.air_drag;
+  if (!kWispRadiusRange.Contains(d.wisp_radius_m)) {
+    return OutOfRange(path + "wisp_radius_m", d.wisp_radius_m, kWispRadiusRange);
+  }
+  guide.wisp_radius = d.wisp_radius_m;
   if (auto ok = CheckModel(path + "model", d.model); !ok) return ok.error();
   if (d.model == StrandModel::kWound) {
     if (auto wound = MakeWound(index, &guide); !wound) return wound.error();
@@ -204,6 +208,7 @@ GuideDescription Describe(const Guide& guide) {
   d.natural_curvature_1 = DescribeNatural(strand.natural, 1);
   d.natural_curvature_2 = DescribeNatural(strand.natural, 2);
   if (guide.wound) d.model = StrandModel::kWound;
+  d.wisp_radius_m = guide.wisp_radius;
   return d;
 }
 

@@ -18,6 +18,7 @@ namespace mane::groom {
 inline constexpr int kMaxElementsPerGuide = 256;
 inline constexpr double kMaxLength = 5;            ///< [m]
 inline constexpr double kMinElementLength = 1e-6;  ///< [m]
+inline constexpr Range kWispRadiusRange{0, 0.1, "m"};
 inline constexpr Range kYoungModulusRange{1e4, 1e13, "Pa"};
 inline constexpr Range kCurvatureRange{-1e5, 1e5, "rad/m"};  ///< Of natural twist, too.
 
@@ -40,6 +41,7 @@ struct GuideDescription {
   std::vector<double> natural_curvature_1;
   std::vector<double> natural_curvature_2;
   StrandModel model = StrandModel::kSuperHelix;
+  double wisp_radius_m = 0;
 };
 
 /// INVALID_ARGUMENT for the first of section, material and damping that is out of its range, named

@@ -151,6 +151,9 @@ INSTANTIATE_TEST_SUITE_P(
                  "nan"},
         BadInput{"NegativeDrag", [](D& d) { d.air_drag = -1; }, "air_drag", "[0, 10]"},
         BadInput{"NanDrag", [](D& d) { d.air_drag = kNan; }, "air_drag", "nan"},
+        BadInput{"NegativeWisp", [](D& d) { d.wisp_radius_m = -1e-3; }, "wisp_radius_m",
+                 "[0, 0.1] m"},
+        BadInput{"NanWisp", [](D& d) { d.wisp_radius_m = kNan; }, "wisp_radius_m", "nan"},
         BadInput{"NanTwist", [](D& d) { d.natural_twist = {0, 0, 0, kNan, 0}; }, "natural_twist[3]",
                  "nan"},
         BadInput{"LargeCurvature", [](D& d) { d.natural_curvature_1 = {2e5}; },
@@ -173,6 +176,7 @@ TEST(MakeGuideTest, AcceptsTheEndsOfEveryRange) {
     d.density_kg_m3 = low ? 1 : 1e5;
     d.internal_friction = low ? 0 : 1;
     d.air_drag = low ? 0 : 10;
+    d.wisp_radius_m = low ? 0 : 0.1;
     d.natural_twist = {low ? -1e5 : 1e5};
     const auto guide = MakeGuide(d, 0);
     EXPECT_TRUE(guide) << guide.error().message;
@@ -244,6 +248,7 @@ void ExpectSame(const Guide& a, const Guide& b) {
   EXPECT_EQ(a.strand.linear_density, b.strand.linear_density);
   EXPECT_EQ(a.strand.internal_friction, b.strand.internal_friction);
   EXPECT_EQ(a.strand.air_drag, b.strand.air_drag);
+  EXPECT_EQ(a.wisp_radius, b.wisp_radius);
 }
 
 TEST(DescribeTest, RoundTripIsExact) {
@@ -257,6 +262,7 @@ TEST(DescribeTest, RoundTripIsExact) {
     d.root_frame.normalize();
     d.root_frame.coeffs() *= random.Uniform(0.991, 1.009);
     d.radius_1_m = random.Uniform(1e-5, 1e-4);
+    d.wisp_radius_m = random.Uniform(0, 0.1);
     if (i % 2) {
       for (uint32_t Q = 0; Q < d.element_count; ++Q) {
         d.natural_twist.push_back(random.Normal());

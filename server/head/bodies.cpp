@@ -1,26 +1,32 @@
 #include "head/bodies.h"
 
-#include "head/settle.h"
-
 #include <fmt/format.h>
 
+#include <set>
 #include <type_traits>
 #include <utility>
 
+#include "head/settle.h"
+
 namespace mane::head {
 namespace {
+
+constexpr const char* kScalp = "the scalp that hair meets";
+// As the variant of groom::Body::shape numbers them.
+constexpr const char* kShapes[] = {"ellipsoid", "capsule", "mesh"};
 
 contact::Friction FrictionOf(const groom::Friction& friction) {
   return {friction.coefficient, friction.anisotropy};
 }
 
-Error Within(const std::string& path, Error error) {
+Error Within(const std::string& path, const std::string& whose, Error error) {
   error.field = path + error.field;
+  error.message = whose + ": " + error.message;
   return error;
 }
 
 template <typename Mesh>
-Result<contact::BodyShape> FieldOf(const Mesh& mesh, contact::FieldCache* fields) {
+Result<contact::BodyShape> MakeField(const Mesh& mesh, contact::FieldCache* fields) {
   auto field = fields->Get({mesh.vertices, mesh.triangles});
   if (!field) return field.error();
   return contact::BodyShape(*std::move(field));
@@ -37,7 +43,7 @@ struct ShapeOf {
   }
   Result<contact::BodyShape> operator()(
       const std::shared_ptr<const groom::Body::Mesh>& mesh) const {
-    return FieldOf(*mesh, fields);
+    return MakeField(*mesh, fields);
   }
 };
 
@@ -45,8 +51,8 @@ struct ShapeOf {
 Result<Bodies::Body> ScalpBody(const groom::Groom& groom, contact::FieldCache* fields) {
   const contact::Friction friction = FrictionOf(*groom.scalp_friction);
   if (const auto* mesh = std::get_if<groom::TriangleMesh>(&groom.scalp)) {
-    auto field = FieldOf(*mesh, fields);
-    if (!field) return Within("scalp_mesh.", field.error());
+    auto field = MakeField(*mesh, fields);
+    if (!field) return Within("scalp_mesh.", kScalp, field.error());
     return Bodies::Body{*std::move(field), friction, {}};
   }
   if (const auto* ellipsoid = std::get_if<groom::Ellipsoid>(&groom.scalp)) {
@@ -55,7 +61,7 @@ Result<Bodies::Body> ScalpBody(const groom::Groom& groom, contact::FieldCache* f
     return Bodies::Body{contact::Ellipsoid(ellipsoid->radii), friction, pose};
   }
   return Error{ErrorCode::kInvalidArgument, "the groom has no scalp that hair could meet",
-               "scalp_friction"};
+               "header.scalp_contact"};
 }
 
 std::vector<Bodies::Group> GroupsOf(const std::vector<Bodies::Body>& bodies) {
@@ -76,31 +82,59 @@ std::vector<Bodies::Group> GroupsOf(const std::vector<Bodies::Body>& bodies) {
 
 }  // namespace
 
-Result<std::shared_ptr<const Bodies>> MakeBodies(const groom::Groom& groom,
-                                                 contact::FieldCache* fields,
-                                                 exec::WorkerPool& pool) {
-  if (groom.bodies.empty() && !groom.scalp_friction) return std::shared_ptr<const Bodies>();
+Result<std::shared_ptr<Bodies>> MakeShapes(const groom::Groom& groom, contact::FieldCache* fields) {
+  if (groom.bodies.empty() && !groom.scalp_friction) return std::shared_ptr<Bodies>();
   auto made = std::make_shared<Bodies>();
   if (groom.scalp_friction) {
     auto scalp = ScalpBody(groom, fields);
     if (!scalp) return scalp.error();
     if (auto valid = contact::Validate(scalp->shape); !valid) {
-      return Within("ellipsoid.", valid.error());
+      return Within("header.ellipsoid.", kScalp, valid.error());
     }
     made->bodies.push_back(*std::move(scalp));
   }
   for (size_t i = 0; i < groom.bodies.size(); ++i) {
     const groom::Body& body = groom.bodies[i];
-    const std::string path = fmt::format("bodies[{}].", i);
+    const std::string path = fmt::format("bodies[{}].{}.", i, kShapes[body.shape.index()]);
+    const std::string whose = fmt::format("body \"{}\"", body.name);
     auto shape = std::visit(ShapeOf{fields}, body.shape);
-    if (!shape) return Within(path, shape.error());
-    if (auto valid = contact::Validate(*shape); !valid) return Within(path, valid.error());
+    if (!shape) return Within(path, whose, shape.error());
+    if (auto valid = contact::Validate(*shape); !valid) return Within(path, whose, valid.error());
     made->bodies.push_back({*std::move(shape), FrictionOf(body.friction), body.pose,
                             body.moving ? made->moving_count++ : -1});
+    if (const size_t bytes = FieldBytes(made->bodies); bytes > kMaxFieldBytes) {
+      return Error{ErrorCode::kResourceExhausted,
+                   fmt::format("{} brings the distance fields of the groom's meshes to {} bytes; "
+                               "at most {} are allowed: use coarser or fewer meshes",
+                               whose, bytes, kMaxFieldBytes),
+                   fmt::format("bodies[{}].mesh", i)};
+    }
   }
   made->groups = GroupsOf(made->bodies);
-  made->settled = Settle(groom, made, pool);
-  return std::shared_ptr<const Bodies>(std::move(made));
+  return made;
+}
+
+Result<std::shared_ptr<const Bodies>> MakeBodies(const groom::Groom& groom,
+                                                 contact::FieldCache* fields,
+                                                 exec::WorkerPool& pool) {
+  auto made = MakeShapes(groom, fields);
+  if (!made) return made.error();
+  if (*made != nullptr) (*made)->settled = Settle(groom, *made, pool);
+  return std::shared_ptr<const Bodies>(*std::move(made));
+}
+
+const contact::MeshField* FieldOf(const Bodies::Body& body) {
+  const auto* field = std::get_if<std::shared_ptr<const contact::MeshField>>(&body.shape);
+  return field == nullptr ? nullptr : field->get();
+}
+
+size_t FieldBytes(std::span<const Bodies::Body> bodies) {
+  std::set<const contact::MeshField*> fields;
+  for (const Bodies::Body& body : bodies) fields.insert(FieldOf(body));
+  fields.erase(nullptr);
+  size_t bytes = 0;
+  for (const contact::MeshField* field : fields) bytes += field->bytes();
+  return bytes;
 }
 
 std::vector<math::Pose> BodiesAtRest(const Bodies& bodies, const math::Pose& head) {

@@ -36,15 +36,29 @@ struct Bodies {
   std::vector<rod::Row<float>> settled;
 };
 
+/// Distance fields of one groom's bodies together [bytes].
+inline constexpr size_t kMaxFieldBytes = size_t{1} << 30;
+
 /// Bodies of `groom`, its scalp among them where it has a friction, in the groom's order. Fields of
-/// meshes come from `fields`, which takes seconds where they are not there; then hair is let
-/// settle, which takes a tenth of a second for 100 guides.
+/// meshes come from `fields`, which takes seconds where they are not there. Of `groom` only bodies,
+/// scalp and friction need to be there; hair has not settled yet.
 ///
-/// @return null where hair meets nothing. INVALID_ARGUMENT naming `bodies[i].` and the field, or
-///   `scalp_mesh.`, for shapes that cannot be used (contact::Validate, MeshField::Build).
+/// @return null where hair meets nothing. INVALID_ARGUMENT naming `bodies[i].mesh.triangles` and
+///   the like, or `scalp_mesh.`, for shapes that cannot be used (contact::Validate,
+///   MeshField::Build); RESOURCE_EXHAUSTED likewise, and above kMaxFieldBytes.
+[[nodiscard]] Result<std::shared_ptr<Bodies>> MakeShapes(const groom::Groom& groom,
+                                                         contact::FieldCache* fields);
+
+/// The same for heads: hair is let settle, which takes a tenth of a second for 100 guides.
 [[nodiscard]] Result<std::shared_ptr<const Bodies>> MakeBodies(const groom::Groom& groom,
                                                                contact::FieldCache* fields,
                                                                exec::WorkerPool& pool);
+
+/// The distance field of a body that is a mesh; else null.
+[[nodiscard]] const contact::MeshField* FieldOf(const Bodies::Body& body);
+
+/// Memory of the fields of `bodies`, one that several share once [bytes].
+[[nodiscard]] size_t FieldBytes(std::span<const Bodies::Body> bodies);
 
 /// Where the moving bodies of `groom` are on a head at `head` that has not heard of others: world
 /// poses in the groom's order, (moving_count).

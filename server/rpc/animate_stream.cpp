@@ -60,8 +60,8 @@ Result<void> AnimateStream::Handle(const v1::AnimateRequest& request) {
     case v1::AnimateRequest::kPose:
     case v1::AnimateRequest::kTeleport: {
       const bool teleport = request.kind_case() == v1::AnimateRequest::kTeleport;
-      auto pose = teleport ? ToPoseCommand(request.teleport(), "teleport")
-                           : ToPoseCommand(request.pose(), "pose");
+      auto pose = teleport ? ToPoseCommand(request.teleport(), "teleport", head_->groom())
+                           : ToPoseCommand(request.pose(), "pose", head_->groom());
       if (!pose) return pose.error();
       pose->teleport = teleport;
       if (const auto ok = head_->Submit(*pose); !ok) return ok.error();
@@ -91,16 +91,30 @@ void AnimateStream::StartOpening(const v1::OpenHead& open) {
     std::lock_guard lock(mutex_);
     opening_ = true;
   }
-  requests_.Post([self = self_, open] { self->FinishOpening(self->Open(open)); });
+  const auto finish = [self = self_, open] { self->FinishOpening(self->Open(open)); };
+  requests_.Post([self = self_, name = open.groom(), finish] {
+    // Fields of meshes that nobody has used lately take seconds, which others need not wait for.
+    if (self->MustMakeFields(name)) {
+      self->grooms_.makers().Post(finish);
+    } else {
+      finish();
+    }
+  });
+}
+
+bool AnimateStream::MustMakeFields(const std::string& groom) try {
+  return grooms_.MustMakeFields(groom);
+} catch (const std::exception&) {
+  return false;  // Open meets the same fault, and tells it.
 }
 
 Result<session::OpenedHead> AnimateStream::Open(const v1::OpenHead& open) try {
   if (!open.resume().empty()) return registry_.Resume(open.resume(), this);
   const auto options = ToHeadOptions(open);
   if (!options) return options.error();
-  const auto groom = grooms_.Load(open.groom(), "open.groom");
-  if (!groom) return groom.error();
-  return registry_.Open(*groom, *options, open.request_id(), this);
+  const auto asset = grooms_.LoadAsset(open.groom(), "open.groom");
+  if (!asset) return asset.error();
+  return registry_.Open(*asset, *options, open.request_id(), this);
 } catch (const std::exception& fault) {
   return Error{ErrorCode::kInternal, fault.what(), ""};
 }

@@ -19,8 +19,9 @@ namespace mane::rpc {
 ///           head shares it meanwhile.
 /// Threads:  the On*() reactions run on gRPC's few threads, the sink's calls on workers; `mutex_`
 ///           guards what stands below it. None of them blocks or computes: opening a head, which
-///           may read the disk, runs on `requests`. Locks are taken in the order head's sink,
-///           stream, head's own; the registry is never called under `mutex_`.
+///           may read the disk, runs on `requests`, or where distance fields must be made first on
+///           the groom library's makers. Locks are taken in the order head's sink, stream, head's
+///           own; the registry is never called under `mutex_`.
 /// Errors:   a bad message ends the call with INVALID_ARGUMENT; other heads notice nothing.
 class AnimateStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>,
                             public session::FrameSink {
@@ -45,6 +46,7 @@ class AnimateStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grp
   // The reaction to one message; an error ends the call.
   Result<void> Handle(const v1::AnimateRequest& request);
   void StartOpening(const v1::OpenHead& open);
+  bool MustMakeFields(const std::string& groom);
   Result<session::OpenedHead> Open(const v1::OpenHead& open);
   void FinishOpening(const Result<session::OpenedHead>& opened);
   [[nodiscard]] v1::AnimateResponse DescribeOpened(const session::OpenedHead& opened) const;

@@ -5,6 +5,8 @@
 
 #include "head/head.h"
 #include "rpc/convert_animation.h"
+#include "rpc/convert_body_poses.h"
+#include "rpc/convert_values.h"
 #include "rpc/limits.h"
 #include "session/admission.h"
 #include "stored.pb.h"
@@ -30,6 +32,28 @@ Result<std::vector<double>> Unpack(const std::string& bytes, size_t count, size_
   return numbers;
 }
 
+// The poses of a PoseTrack or BodyTrack, whose path is `path`.
+template <typename Track>
+Result<std::vector<math::Pose>> ToPoses(const Track& track, size_t count, const std::string& path) {
+  const auto positions = Unpack(track.positions(), count, 3, path + "positions");
+  if (!positions) return positions.error();
+  const auto orientations = Unpack(track.orientations(), count, 4, path + "orientations");
+  if (!orientations) return orientations.error();
+  std::vector<math::Pose> poses;
+  for (size_t i = 0; i < count; ++i) {
+    v1::Vector3 p;
+    v1::Quaternion q;
+    FromVector(Eigen::Map<const Eigen::Vector3d>(&(*positions)[3 * i]), &p);
+    FromQuaternion(Eigen::Quaterniond(&(*orientations)[4 * i]), &q);
+    const auto position = ToVector(p, fmt::format("{}positions[{}]", path, i), kMaxCoordinate);
+    if (!position) return position.error();
+    const auto orientation = ToQuaternion(q, fmt::format("{}orientations[{}]", path, i));
+    if (!orientation) return orientation.error();
+    poses.push_back({*position, *orientation});
+  }
+  return poses;
+}
+
 Result<std::vector<session::PoseCommand>> ToMotion(const v1::PoseTrack& track) {
   const size_t count = track.times_s().size() / sizeof(double);
   if (count < 1 || count > kMaxPoses) {
@@ -39,10 +63,8 @@ Result<std::vector<session::PoseCommand>> ToMotion(const v1::PoseTrack& track) {
   }
   const auto times = Unpack(track.times_s(), count, 1, "motion.times_s");
   if (!times) return times.error();
-  const auto positions = Unpack(track.positions(), count, 3, "motion.positions");
-  if (!positions) return positions.error();
-  const auto orientations = Unpack(track.orientations(), count, 4, "motion.orientations");
-  if (!orientations) return orientations.error();
+  const auto poses = ToPoses(track, count, "motion.");
+  if (!poses) return poses.error();
   std::vector<session::PoseCommand> motion;
   for (size_t i = 0; i < count; ++i) {
     const double time = (*times)[i];
@@ -54,20 +76,7 @@ Result<std::vector<session::PoseCommand>> ToMotion(const v1::PoseTrack& track) {
                      time - motion.back().time, session::kLeastPoseGap, session::kLongestPoseGap);
       if (!ok) return InvalidArgument(time_field, ok.error().message);
     }
-    v1::Vector3 p;
-    p.set_x((*positions)[3 * i]);
-    p.set_y((*positions)[3 * i + 1]);
-    p.set_z((*positions)[3 * i + 2]);
-    v1::Quaternion q;
-    q.set_x((*orientations)[4 * i]);
-    q.set_y((*orientations)[4 * i + 1]);
-    q.set_z((*orientations)[4 * i + 2]);
-    q.set_w((*orientations)[4 * i + 3]);
-    const auto position = ToVector(p, fmt::format("motion.positions[{}]", i), kMaxCoordinate);
-    if (!position) return position.error();
-    const auto orientation = ToQuaternion(q, fmt::format("motion.orientations[{}]", i));
-    if (!orientation) return orientation.error();
-    motion.push_back({time, {*position, *orientation}});
+    motion.push_back({time, (*poses)[i]});
   }
   return motion;
 }
@@ -79,6 +88,12 @@ Result<Bake> ToBake(const v1::BakeAnimationRequest& request) {
   auto motion = ToMotion(request.motion());
   if (!motion) return motion.error();
   bake.motion = *std::move(motion);
+  for (int i = 0; i < request.motion().bodies_size(); ++i) {
+    const v1::BodyTrack& track = request.motion().bodies(i);
+    auto poses = ToPoses(track, bake.motion.size(), fmt::format("motion.bodies[{}].", i));
+    if (!poses) return poses.error();
+    bake.bodies.emplace_back(track.name(), *std::move(poses));
+  }
   const auto view = ToView(request.format(), request.space(), request.points_per_guide(), "");
   if (!view) return view.error();
   bake.view = *view;
@@ -90,6 +105,25 @@ Result<Bake> ToBake(const v1::BakeAnimationRequest& request) {
     bake.substeps = static_cast<int>(request.substeps());
   }
   return bake;
+}
+
+Result<void> BindBodies(const groom::Groom& groom, Bake* bake) {
+  for (size_t i = 0; i < bake->bodies.size(); ++i) {
+    const auto& [name, poses] = bake->bodies[i];
+    const std::string field = fmt::format("motion.bodies[{}].name", i);
+    const auto body = FindMovingBody(groom, name, field);
+    if (!body) return body.error();
+    for (size_t k = 0; k < poses.size(); ++k) {
+      session::BodyPoses& named = bake->motion[k].bodies;
+      named.resize(MovingCount(groom));
+      if (named[*body]) {
+        return InvalidArgument(
+            field, fmt::format("{} is \"{}\", as that of an earlier track", field, name));
+      }
+      named[*body] = poses[k];
+    }
+  }
+  return {};
 }
 
 Result<void> AdmitBake(const groom::Groom& groom, const Bake& bake) {
@@ -104,7 +138,7 @@ Result<void> AdmitBake(const groom::Groom& groom, const Bake& bake) {
   }
   for (size_t i = 1; i < bake.motion.size(); ++i) {
     const head::Movement movement{{}, bake.motion[i].time - bake.motion[i - 1].time, bake.substeps};
-    const double work = static_cast<double>(groom.stepped_elements()) * head::StepCount(movement);
+    const double work = session::StepWork(groom, head::StepCount(movement));
     if (work > kMaxFrameWork) {
       return Error{ErrorCode::kResourceExhausted,
                    fmt::format("frame {} takes {} element-steps with substeps {}; at most {} are "
@@ -121,15 +155,17 @@ Result<void> RunBake(GroomLibrary& grooms, exec::WorkerPool& pool, jobs::JobCont
   if (!request.ParseFromString(context.spec())) {
     return Error{ErrorCode::kInternal, "the stored bake does not parse", ""};
   }
-  const auto bake = ToBake(request);
+  auto bake = ToBake(request);
   if (!bake) return bake.error();
-  const auto loaded = grooms.Load(request.groom(), "groom");
-  if (!loaded) return loaded.error();
-  const groom::Groom& groom = **loaded;
+  const auto asset = grooms.LoadAsset(request.groom(), "groom");
+  if (!asset) return asset.error();
+  const groom::Groom& groom = *asset->groom;
   // Again: it may have been made anew, and larger, since the bake was submitted.
+  if (const auto ok = BindBodies(groom, &*bake); !ok) return ok;
   if (const auto ok = AdmitBake(groom, *bake); !ok) return ok;
 
   head::HeadState state = head::AtRest(groom, bake->motion.front().pose);
+  head::StartContact(groom, asset->bodies, &state);
   if (bake->environment.detail_tolerance > 0) {
     head::StartDetail(groom, std::make_shared<const head::Levels>(groom, pool), &state.detail);
   }
@@ -137,11 +173,15 @@ Result<void> RunBake(GroomLibrary& grooms, exec::WorkerPool& pool, jobs::JobCont
   for (size_t i = 0; i < bake->motion.size(); ++i) {
     if (context.Cancelled()) return jobs::JobContext::StoppedError();
     const session::PoseCommand& pose = bake->motion[i];
+    std::vector<math::Pose> bodies =
+        session::PlaceBodies(asset->bodies.get(), pose.pose, pose.bodies);
     head::StepReport report;
     if (i > 0) {
-      const head::Movement movement{pose.pose, pose.time - bake->motion[i - 1].time,
-                                    bake->substeps};
+      const head::Movement movement{pose.pose, pose.time - bake->motion[i - 1].time, bake->substeps,
+                                    bodies};
       report = head::Advance(groom, movement, bake->environment, &state, pool);
+    } else {
+      state.contact.moving = std::move(bodies);
     }
     session::Frame frame;
     frame.index = i + 1;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/result.h"
@@ -18,10 +19,16 @@ struct Bake {
   head::View view;
   head::Environment environment;
   int substeps = 1;
+  /// Moving bodies by name, each with a world pose for every pose of the motion.
+  std::vector<std::pair<std::string, std::vector<math::Pose>>> bodies;
 };
 
 /// kInvalidArgument names the field. The groom is not looked up.
 Result<Bake> ToBake(const v1::BakeAnimationRequest& request);
+
+/// Gives the poses of the bake's bodies to its motion. kInvalidArgument names
+/// `motion.bodies[i].name` when it is none of the moving bodies of `groom`, or named twice.
+Result<void> BindBodies(const groom::Groom& groom, Bake* bake);
 
 /// kResourceExhausted when a frame of the bake is too much work, so that it could not be cancelled
 /// within a second, or too many bytes, or all frames together are.

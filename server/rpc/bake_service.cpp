@@ -79,10 +79,11 @@ grpc::ServerUnaryReactor* BakeService::BakeAnimation(grpc::CallbackServerContext
                                                      const v1::BakeAnimationRequest* request,
                                                      v1::Job* response) {
   return Answer(context, requests_, [this, request, response]() -> Result<void> {
-    const auto bake = ToBake(*request);
+    auto bake = ToBake(*request);
     if (!bake) return bake.error();
     const auto groom = grooms_.Load(request->groom(), "groom");
     if (!groom) return groom.error();
+    if (const auto ok = BindBodies(**groom, &*bake); !ok) return ok;
     if (const auto ok = AdmitBake(**groom, *bake); !ok) return ok;
     const auto text = CheckText(request->request_id(), kMaxRequestId, "request_id");
     if (!text) return text;

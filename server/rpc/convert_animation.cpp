@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "rpc/convert_body_poses.h"
+#include "rpc/convert_values.h"
 #include "rpc/limits.h"
 
 namespace mane::rpc {
@@ -28,11 +30,11 @@ Result<Eigen::Vector3d> ToVector(const v1::Vector3& message, const std::string& 
   if (const auto ok = CheckRange(field + ".x", message.x(), -limit, limit); !ok) return ok.error();
   if (const auto ok = CheckRange(field + ".y", message.y(), -limit, limit); !ok) return ok.error();
   if (const auto ok = CheckRange(field + ".z", message.z(), -limit, limit); !ok) return ok.error();
-  return Eigen::Vector3d(message.x(), message.y(), message.z());
+  return ToVector(message);
 }
 
 Result<Eigen::Quaterniond> ToQuaternion(const v1::Quaternion& message, const std::string& field) {
-  const Eigen::Quaterniond q(message.w(), message.x(), message.y(), message.z());
+  const Eigen::Quaterniond q = ToQuaternion(message);
   const double norm = q.norm();
   if (!(std::abs(norm - 1) <= 0.01)) {
     return InvalidArgument(
@@ -57,22 +59,20 @@ Result<math::Pose> ToPose(const v1::Pose& message, const std::string& field) {
 }
 
 void FromPose(const math::Pose& pose, v1::Pose* message) {
-  message->mutable_position()->set_x(pose.p.x());
-  message->mutable_position()->set_y(pose.p.y());
-  message->mutable_position()->set_z(pose.p.z());
-  message->mutable_orientation()->set_x(pose.q.x());
-  message->mutable_orientation()->set_y(pose.q.y());
-  message->mutable_orientation()->set_z(pose.q.z());
-  message->mutable_orientation()->set_w(pose.q.w());
+  FromVector(pose.p, message->mutable_position());
+  FromQuaternion(pose.q, message->mutable_orientation());
 }
 
-Result<session::PoseCommand> ToPoseCommand(const v1::HeadPose& message, const std::string& field) {
+Result<session::PoseCommand> ToPoseCommand(const v1::HeadPose& message, const std::string& field,
+                                           const groom::Groom& groom) {
   if (const auto ok = CheckRange(field + ".time_s", message.time_s(), -kMaxTime, kMaxTime); !ok) {
     return ok.error();
   }
   const auto pose = ToPose(message.pose(), field + ".pose");
   if (!pose) return pose.error();
-  return session::PoseCommand{message.time_s(), *pose, false};
+  auto bodies = ToBodyPoses(message.bodies(), field + ".bodies", groom);
+  if (!bodies) return bodies.error();
+  return session::PoseCommand{message.time_s(), *pose, false, *std::move(bodies)};
 }
 
 // Gusts and eddies.

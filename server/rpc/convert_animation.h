@@ -24,7 +24,9 @@ Result<Eigen::Quaterniond> ToQuaternion(const v1::Quaternion& message, const std
 Result<math::Pose> ToPose(const v1::Pose& message, const std::string& field);
 void FromPose(const math::Pose& pose, v1::Pose* message);
 
-Result<session::PoseCommand> ToPoseCommand(const v1::HeadPose& message, const std::string& field);
+/// @param groom  whose bodies the message may name.
+Result<session::PoseCommand> ToPoseCommand(const v1::HeadPose& message, const std::string& field,
+                                           const groom::Groom& groom);
 Result<session::EnvironmentCommand> ToEnvironmentCommand(const v1::Environment& message,
                                                          const std::string& field);
 /// Surroundings of a new head: the defaults changed by `message`.

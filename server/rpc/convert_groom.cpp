@@ -1,7 +1,10 @@
 #include "rpc/convert_groom.h"
 
-#include <cstring>
+#include <limits>
 #include <vector>
+
+#include "rpc/convert_values.h"
+#include "stored.pb.h"
 
 namespace mane::rpc {
 namespace {
@@ -16,35 +19,6 @@ void FromList(const std::vector<double>& values, RepeatedField<double>* message)
   message->Assign(values.begin(), values.end());
 }
 
-void FromVector(const Eigen::Vector3d& v, v1::Vector3* message) {
-  message->set_x(v.x());
-  message->set_y(v.y());
-  message->set_z(v.z());
-}
-
-Eigen::Vector3d ToVector(const v1::Vector3& message) {
-  return {message.x(), message.y(), message.z()};
-}
-
-// Appends little-endian numbers (this program runs on little-endian machines only; see wire).
-template <typename Entry>
-Result<void> AppendBytes(const std::string& bytes, const std::string& field,
-                         std::vector<Entry>* entries) {
-  if (bytes.size() % sizeof(Entry) != 0) {
-    return InvalidArgument(field, fmt::format("{} has {} bytes; it must be a multiple of {}", field,
-                                              bytes.size(), sizeof(Entry)));
-  }
-  const size_t before = entries->size();
-  entries->resize(before + bytes.size() / sizeof(Entry));
-  std::memcpy(static_cast<void*>(entries->data() + before), bytes.data(), bytes.size());
-  return {};
-}
-
-template <typename Entry>
-void FromEntries(const std::vector<Entry>& entries, std::string* bytes) {
-  bytes->assign(reinterpret_cast<const char*>(entries.data()), entries.size() * sizeof(Entry));
-}
-
 // None where it is unset. What this program does not know stays a number that no model has.
 std::optional<groom::StrandModel> ToModel(v1::StrandModel model) {
   if (model == v1::STRAND_MODEL_UNSPECIFIED) return std::nullopt;
@@ -57,10 +31,7 @@ std::optional<groom::StrandModel> ToModel(v1::StrandModel model) {
 groom::GuideDescription ToDescription(const v1::Guide& message) {
   groom::GuideDescription guide;
   guide.root_position = ToVector(message.root_position());
-  if (message.has_root_frame()) {
-    const v1::Quaternion& q = message.root_frame();
-    guide.root_frame = Eigen::Quaterniond(q.w(), q.x(), q.y(), q.z());
-  }
+  if (message.has_root_frame()) guide.root_frame = ToQuaternion(message.root_frame());
   guide.length_m = message.length_m();
   guide.element_count = message.element_count();
   guide.element_lengths_m = ToList(message.element_lengths_m());
@@ -75,16 +46,13 @@ groom::GuideDescription ToDescription(const v1::Guide& message) {
   guide.natural_curvature_1 = ToList(message.natural_curvature_1());
   guide.natural_curvature_2 = ToList(message.natural_curvature_2());
   if (const auto model = ToModel(message.model())) guide.model = *model;
+  guide.wisp_radius_m = message.wisp_radius_m();
   return guide;
 }
 
 void FromDescription(const groom::GuideDescription& guide, v1::Guide* message) {
   FromVector(guide.root_position, message->mutable_root_position());
-  v1::Quaternion* q = message->mutable_root_frame();
-  q->set_x(guide.root_frame.x());
-  q->set_y(guide.root_frame.y());
-  q->set_z(guide.root_frame.z());
-  q->set_w(guide.root_frame.w());
+  FromQuaternion(guide.root_frame, message->mutable_root_frame());
   message->set_length_m(guide.length_m);
   message->set_element_count(guide.element_count);
   FromList(guide.element_lengths_m, message->mutable_element_lengths_m());
@@ -99,6 +67,7 @@ void FromDescription(const groom::GuideDescription& guide, v1::Guide* message) {
   FromList(guide.natural_curvature_1, message->mutable_natural_curvature_1());
   FromList(guide.natural_curvature_2, message->mutable_natural_curvature_2());
   if (guide.model == groom::StrandModel::kWound) message->set_model(v1::STRAND_MODEL_WOUND);
+  message->set_wisp_radius_m(guide.wisp_radius_m);
 }
 
 Result<void> AppendMesh(const v1::TriangleMesh& message, groom::TriangleMesh* mesh) {
@@ -114,9 +83,14 @@ Result<void> AppendMesh(const v1::TriangleMesh& message, groom::TriangleMesh* me
 }
 
 void FromMesh(const groom::TriangleMesh& mesh, v1::TriangleMesh* message) {
-  FromEntries(mesh.vertices, message->mutable_vertices());
-  FromEntries(mesh.triangles, message->mutable_triangles());
-  FromEntries(mesh.hair_triangles, message->mutable_hair_triangles());
+  FromMeshPiece(mesh, 0, std::numeric_limits<size_t>::max(), message);
+}
+
+void FromMeshPiece(const groom::TriangleMesh& mesh, size_t begin, size_t count,
+                   v1::TriangleMesh* message) {
+  FromEntries(mesh.vertices, begin, count, message->mutable_vertices());
+  FromEntries(mesh.triangles, begin, count, message->mutable_triangles());
+  FromEntries(mesh.hair_triangles, begin, count, message->mutable_hair_triangles());
 }
 
 groom::Ellipsoid ToEllipsoid(const v1::EllipsoidScalp& message) {
@@ -157,6 +131,7 @@ Result<groom::Generation> ToGeneration(const v1::GuideGeneration& message) {
   if (message.has_curl_variation()) generation.curl_variation = message.curl_variation();
   if (message.has_root_droop()) generation.root_droop = message.root_droop();
   generation.model = ToModel(message.model());
+  generation.wisp_radius_m = message.wisp_radius_m();
   return generation;
 }
 
@@ -174,6 +149,11 @@ void FromRecord(const storage::GroomRecord& record, v1::Groom* message) {
   if (!record.import_summary.empty()) {
     message->mutable_import_summary()->ParseFromString(record.import_summary);
   }
+  StoredContact contact;
+  contact.ParseFromString(record.contact);
+  message->set_body_count(static_cast<uint32_t>(contact.bodies_size()));
+  *message->mutable_bodies() = std::move(*contact.mutable_bodies());
+  if (contact.has_scalp_contact()) *message->mutable_scalp_contact() = contact.scalp_contact();
 }
 
 }  // namespace mane::rpc

@@ -20,6 +20,9 @@ void FromDescription(const groom::GuideDescription& guide, v1::Guide* message);
 /// Appends a piece to `mesh`. kInvalidArgument for bytes that are no whole number of entries.
 Result<void> AppendMesh(const v1::TriangleMesh& message, groom::TriangleMesh* mesh);
 void FromMesh(const groom::TriangleMesh& mesh, v1::TriangleMesh* message);
+/// Of every list the entries from `begin` on, `count` of them at most.
+void FromMeshPiece(const groom::TriangleMesh& mesh, size_t begin, size_t count,
+                   v1::TriangleMesh* message);
 
 [[nodiscard]] groom::Ellipsoid ToEllipsoid(const v1::EllipsoidScalp& message);
 void FromEllipsoid(const groom::Ellipsoid& ellipsoid, v1::EllipsoidScalp* message);

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <string>
 #include <vector>
 
 #include "rpc/convert_groom.h"
+#include "rpc/convert_values.h"
 
 namespace mane::rpc {
 namespace {
@@ -42,6 +42,7 @@ void FromOptions(const groom::ImportOptions& options, v1::ImportOptions* message
   message->set_hold(options.hold);
   message->set_max_stiffness_factor(options.max_stiffness_factor);
   message->set_stability_margin(options.stability_margin);
+  message->set_wisp_radius_m(options.wisp_radius_m);
 }
 
 void Summarize(std::span<const groom::StrandOutcome> outcomes, v1::ImportSummary* summary) {
@@ -95,26 +96,16 @@ Result<groom::ImportOptions> ToImportOptions(const v1::ImportOptions& message) {
     options.max_stiffness_factor = message.max_stiffness_factor();
   }
   if (message.has_stability_margin()) options.stability_margin = message.stability_margin();
+  options.wisp_radius_m = message.wisp_radius_m();
   return options;
 }
 
 Result<groom::ImportedStrand> ToImportedStrand(const v1::ImportedStrand& message, int index) {
-  constexpr size_t kPointBytes = sizeof(Eigen::Vector3f);
-  const std::string& bytes = message.points();
-  if (bytes.size() % kPointBytes != 0) {
-    const std::string field = fmt::format("strands[{}].points", index);
-    return InvalidArgument(field, fmt::format("{} has {} bytes; it must be a multiple of {}", field,
-                                              bytes.size(), kPointBytes));
-  }
   groom::ImportedStrand strand;
-  strand.points.resize(bytes.size() / kPointBytes);
-  if (!bytes.empty()) {
-    std::memcpy(static_cast<void*>(strand.points.data()), bytes.data(), bytes.size());
-  }
-  if (message.has_root_frame()) {
-    const v1::Quaternion& q = message.root_frame();
-    strand.root_frame = Eigen::Quaterniond(q.w(), q.x(), q.y(), q.z());
-  }
+  const auto points =
+      AppendBytes(message.points(), fmt::format("strands[{}].points", index), &strand.points);
+  if (!points) return points.error();
+  if (message.has_root_frame()) strand.root_frame = ToQuaternion(message.root_frame());
   strand.properties = ToProperties(message.properties());
   return strand;
 }

@@ -6,13 +6,15 @@
 #include <limits>
 
 #include "groom/digest.h"
+#include "groom/validate_body.h"
+#include "rpc/convert_body.h"
 #include "rpc/convert_groom.h"
 #include "rpc/names.h"
-#include "stored.pb.h"
 
 namespace mane::rpc {
 namespace {
 
+constexpr size_t kAll = std::numeric_limits<size_t>::max();
 constexpr double kNoWork = std::numeric_limits<double>::infinity();
 
 int64_t NowNanoseconds() {
@@ -32,6 +34,14 @@ std::string EncodeContent(const groom::Groom& groom,
     FromMesh(*mesh, stored.mutable_scalp_mesh());
   } else if (const auto* ellipsoid = std::get_if<groom::Ellipsoid>(&groom.scalp)) {
     FromEllipsoid(*ellipsoid, stored.mutable_ellipsoid());
+  }
+  for (const groom::Body& body : groom.bodies) {
+    v1::Body* message = stored.add_bodies();
+    FromBody(body, message);
+    if (const auto* mesh = MeshOf(body)) FromBodyMesh(*mesh, 0, kAll, message->mutable_mesh());
+  }
+  if (groom.scalp_friction) {
+    FromScalpFriction(*groom.scalp_friction, stored.mutable_scalp_contact());
   }
   return stored.SerializeAsString();
 }
@@ -60,12 +70,36 @@ Result<groom::Parts> DecodeContent(const storage::GroomRecord& record,
     if (!guide) return Damaged(record.id);
     parts.guides.push_back(*std::move(guide));
   }
+  for (const v1::Body& message : stored.bodies()) {
+    auto body = ToWholeBody(message, static_cast<int>(parts.bodies.size()));
+    if (!body) return Damaged(record.id);
+    parts.bodies.push_back(*std::move(body));
+  }
+  if (stored.has_scalp_contact()) {
+    const auto friction = ToScalpFriction(stored.scalp_contact());
+    if (!friction) return Damaged(record.id);
+    parts.scalp_friction = *friction;
+  }
   parts.rest.resize(content.rest.size() / sizeof(double));
   std::memcpy(parts.rest.data(), content.rest.data(), parts.rest.size() * sizeof(double));
   return parts;
 }
 
 }  // namespace
+
+Result<StoredContact> GroomLibrary::PrepareContact(const groom::Parts& parts) {
+  if (parts.bodies.empty() && !parts.scalp_friction) return StoredContact();
+  const auto valid =
+      groom::ValidateBodies(parts.bodies, parts.scalp_friction, parts.scalp, limits_);
+  if (!valid) return valid.error();
+  groom::Groom groom;
+  groom.bodies = parts.bodies;
+  groom.scalp_friction = parts.scalp_friction;
+  if (groom.scalp_friction) groom.scalp = parts.scalp;
+  const auto bodies = bodies_.MakeShapes(groom);
+  if (!bodies) return bodies.error();
+  return DescribeContact(groom, bodies->get());
+}
 
 Result<storage::GroomRecord> GroomLibrary::Create(Draft draft) {
   const auto groom = groom::Assemble(std::move(draft.parts), limits_, &pool_);
@@ -88,6 +122,7 @@ Result<storage::GroomRecord> GroomLibrary::Create(Draft draft) {
   if (draft.import_report) {
     record.import_summary = draft.import_report->summary().SerializeAsString();
   }
+  record.contact = draft.contact.SerializeAsString();
   const auto* rest = reinterpret_cast<const char*>(g.rest.data());
   return store_.Put(record, {EncodeContent(g, draft.import_report),
                              std::string(rest, g.rest.size() * sizeof(double))});
@@ -143,6 +178,19 @@ Result<std::shared_ptr<const groom::Groom>> GroomLibrary::Load(const std::string
   return groom;
 }
 
+Result<session::Asset> GroomLibrary::LoadAsset(const std::string& name, const std::string& field) {
+  auto groom = Load(name, field);
+  if (!groom) return groom.error();
+  auto bodies = bodies_.FindOrMake(*groom);
+  if (!bodies) return Error{bodies.error().code, bodies.error().message, field};
+  return session::Asset{*std::move(groom), *std::move(bodies)};
+}
+
+bool GroomLibrary::MustMakeFields(const std::string& name) {
+  const auto groom = Load(name, "name");
+  return groom && bodies_.Missing(*groom);
+}
+
 Result<std::shared_ptr<const groom::Groom>> GroomLibrary::Read(const storage::GroomRecord& record) {
   const auto content = store_.GetContent(record.id);
   if (!content) return content.error();
@@ -150,7 +198,8 @@ Result<std::shared_ptr<const groom::Groom>> GroomLibrary::Read(const storage::Gr
   if (!parts) return parts.error();
   // Limits are for uploads: what is stored stays usable when they are lowered.
   constexpr int kNone = std::numeric_limits<int>::max();
-  return groom::Assemble(*std::move(parts), {kNone, kNone, kNone, kNoWork, kNone, kNone}, &pool_);
+  return groom::Assemble(*std::move(parts),
+                         {kNone, kNone, kNone, kNoWork, kNone, kNone, kNone, kNone, kNone}, &pool_);
 }
 
 }  // namespace mane::rpc

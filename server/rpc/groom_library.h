@@ -12,7 +12,10 @@
 #include "groom/assemble.h"
 #include "groom/limits.h"
 #include "mane/v1/groom.pb.h"
+#include "session/asset.h"
+#include "session/body_library.h"
 #include "storage/groom_store.h"
+#include "stored.pb.h"
 
 namespace mane::rpc {
 
@@ -25,8 +28,9 @@ namespace mane::rpc {
 /// Threads: any. `mutex_` is not held while a groom is read.
 class GroomLibrary {
  public:
-  GroomLibrary(storage::GroomStore& store, exec::WorkerPool& pool, const groom::Limits& limits)
-      : store_(store), pool_(pool), limits_(limits) {}
+  GroomLibrary(storage::GroomStore& store, exec::WorkerPool& pool, session::BodyLibrary& bodies,
+               const groom::Limits& limits)
+      : store_(store), pool_(pool), bodies_(bodies), limits_(limits) {}
 
   [[nodiscard]] storage::GroomStore& store() { return store_; }
   [[nodiscard]] const groom::Limits& limits() const { return limits_; }
@@ -38,13 +42,26 @@ class GroomLibrary {
     std::string request_id;
     groom::Parts parts;
     std::optional<v1::ImportReport> import_report;  ///< Of a groom made from strands.
+    StoredContact contact;                          ///< PrepareContact's of its parts.
   };
+  /// Makes what hair of `parts` meets and tells of it. Comes before guides are made and rest shapes
+  /// solved, so that a mesh that cannot be used is refused at once. Errors name the field.
+  Result<StoredContact> PrepareContact(const groom::Parts& parts);
   /// Solves the rest shape and stores both; on disk when it returns.
   Result<storage::GroomRecord> Create(Draft draft);
 
   /// The groom called `name`; errors name `field`. kNotFound if there is none.
   Result<std::shared_ptr<const groom::Groom>> Load(const std::string& name,
                                                    const std::string& field);
+
+  /// The same with what its hair meets, for heads. Takes seconds where distance fields of meshes
+  /// must be made (MustMakeFields). kResourceExhausted when these in use would be too large.
+  Result<session::Asset> LoadAsset(const std::string& name, const std::string& field);
+
+  /// Whether LoadAsset would take that long; makers() is the pool to wait on. False for a groom
+  /// that is not there.
+  [[nodiscard]] bool MustMakeFields(const std::string& name);
+  [[nodiscard]] exec::WorkerPool& makers() { return bodies_.pool(); }
 
   /// The report of the groom called `name`; errors name `field`. kNotFound if there is no groom,
   /// kFailedPrecondition if it was not made from strands.
@@ -60,6 +77,7 @@ class GroomLibrary {
 
   storage::GroomStore& store_;
   exec::WorkerPool& pool_;
+  session::BodyLibrary& bodies_;
   const groom::Limits limits_;
 
   std::mutex mutex_;

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <memory>
-#include <span>
 #include <utility>
 
 #include "rpc/chunk_stream.h"
 #include "rpc/convert_animation.h"
+#include "rpc/convert_body.h"
 #include "rpc/convert_groom.h"
 #include "rpc/names.h"
 #include "rpc/rest_shape.h"
@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kDefaultPageSize = 100;
 
-// The parts of an export: the description, the scalp, then guides.
+// The parts of an export: the description, the scalp, bodies, then guides.
 class ExportParts {
  public:
   ExportParts(GroomLibrary& library, std::string name)
@@ -29,11 +29,15 @@ class ExportParts {
       case Stage::kDescription:
         return Describe();
       case Stage::kEllipsoid:
-        stage_ = Stage::kGuides;
+        stage_ = Stage::kBodies;
         FromEllipsoid(std::get<groom::Ellipsoid>(groom_->scalp), part.mutable_ellipsoid());
         return std::optional(part);
       case Stage::kMesh:
         return MeshPiece();
+      case Stage::kBodies:
+        if (body_ < groom_->bodies.size()) return BodyPiece();
+        stage_ = Stage::kGuides;
+        break;
       case Stage::kGuides:
         break;
     }
@@ -46,7 +50,7 @@ class ExportParts {
   }
 
  private:
-  enum class Stage { kDescription, kEllipsoid, kMesh, kGuides };
+  enum class Stage { kDescription, kEllipsoid, kMesh, kBodies, kGuides };
   static constexpr size_t kGuidesPerPart = 64;       // At most 256 elements each: under 500 kB.
   static constexpr size_t kEntriesPerPart = 20'000;  // Vertices and triangles, 12 bytes each.
 
@@ -59,7 +63,7 @@ class ExportParts {
     if (!record) return record.error();
     stage_ = std::holds_alternative<groom::Ellipsoid>(groom_->scalp)      ? Stage::kEllipsoid
              : std::holds_alternative<groom::TriangleMesh>(groom_->scalp) ? Stage::kMesh
-                                                                          : Stage::kGuides;
+                                                                          : Stage::kBodies;
     v1::ExportGroomResponse part;
     FromRecord(*record, part.mutable_groom());
     return std::optional(part);
@@ -67,18 +71,30 @@ class ExportParts {
 
   Result<std::optional<v1::ExportGroomResponse>> MeshPiece() {
     const auto& mesh = std::get<groom::TriangleMesh>(groom_->scalp);
-    const auto piece = [&](const auto& entries) {
-      const size_t begin = std::min(entries.size(), next_);
-      const size_t end = std::min(entries.size(), next_ + kEntriesPerPart);
-      return std::vector(entries.begin() + begin, entries.begin() + end);
-    };
     v1::ExportGroomResponse part;
-    FromMesh({piece(mesh.vertices), piece(mesh.triangles), piece(mesh.hair_triangles)},
-             part.mutable_scalp_mesh());
+    FromMeshPiece(mesh, next_, kEntriesPerPart, part.mutable_scalp_mesh());
     next_ += kEntriesPerPart;
     if (next_ >=
         std::max({mesh.vertices.size(), mesh.triangles.size(), mesh.hair_triangles.size()})) {
-      stage_ = Stage::kGuides;
+      stage_ = Stage::kBodies;
+      next_ = 0;
+    }
+    return std::optional(part);
+  }
+
+  // A body, of a mesh its first piece; then pieces that go on with it.
+  Result<std::optional<v1::ExportGroomResponse>> BodyPiece() {
+    const groom::Body& body = groom_->bodies[body_];
+    const groom::Body::Mesh* mesh = MeshOf(body);
+    v1::ExportGroomResponse part;
+    part.mutable_body()->set_name(body.name);
+    if (next_ == 0) FromBody(body, part.mutable_body());
+    if (mesh != nullptr) {
+      FromBodyMesh(*mesh, next_, kEntriesPerPart, part.mutable_body()->mutable_mesh());
+    }
+    next_ += kEntriesPerPart;
+    if (mesh == nullptr || next_ >= std::max(mesh->vertices.size(), mesh->triangles.size())) {
+      ++body_;
       next_ = 0;
     }
     return std::optional(part);
@@ -88,6 +104,7 @@ class ExportParts {
   const std::string name_;
   std::shared_ptr<const groom::Groom> groom_;
   Stage stage_ = Stage::kDescription;
+  size_t body_ = 0;
   size_t next_ = 0;  // Entry or guide.
 };
 
@@ -120,6 +137,7 @@ grpc::ServerUnaryReactor* GroomService::ListGrooms(grpc::CallbackServerContext* 
     if (!page) return page.error();
     for (const storage::GroomRecord& record : page->records) {
       FromRecord(record, response->add_grooms());
+      response->mutable_grooms()->rbegin()->clear_bodies();  // A page of them could be too large.
     }
     response->set_next_page_token(page->next_page_token);
     return {};

@@ -4,6 +4,7 @@
 
 #include "groom/generate.h"
 #include "groom/range.h"
+#include "rpc/convert_body.h"
 #include "rpc/convert_groom.h"
 #include "rpc/convert_import.h"
 #include "rpc/names.h"
@@ -36,6 +37,9 @@ Result<bool> GroomUpload::Add(const v1::CreateGroomRequest& request) {
     case v1::CreateGroomRequest::kScalpMesh:
       added = AddMesh(request.scalp_mesh());
       break;
+    case v1::CreateGroomRequest::kBody:
+      added = bodies_.Add(request.body());
+      break;
     case v1::CreateGroomRequest::kCommit:
       return true;
     case v1::CreateGroomRequest::PART_NOT_SET:
@@ -55,6 +59,11 @@ Result<void> GroomUpload::AddHeader(const v1::CreateGroomHeader& header) {
   if (const auto ok = CheckText(header.display_name(), kMaxDisplayName, "header.display_name");
       !ok) {
     return ok;
+  }
+  if (header.has_scalp_contact()) {
+    auto friction = ToScalpFriction(header.scalp_contact());
+    if (!friction) return friction.error();
+    scalp_friction_ = *friction;
   }
   if (header.has_import_options()) {
     auto options = ToImportOptions(header.import_options());
@@ -143,13 +152,18 @@ Result<storage::GroomRecord> GroomUpload::Finish(const std::atomic<bool>& cancel
     if (!earlier) return earlier.error();
     if (earlier->has_value()) return **earlier;
   }
-  GroomLibrary::Draft draft{header_.groom_id(), header_.request_id(), {}, {}};
+  GroomLibrary::Draft draft{header_.groom_id(), header_.request_id(), {}, {}, {}};
   draft.parts.display_name = header_.display_name();
   if (header_.has_ellipsoid()) {
     draft.parts.scalp = ToEllipsoid(header_.ellipsoid());
   } else if (!mesh_.vertices.empty() || !mesh_.triangles.empty()) {
     draft.parts.scalp = std::move(mesh_);
   }
+  draft.parts.bodies = bodies_.Take();
+  draft.parts.scalp_friction = scalp_friction_;
+  auto contact = library_.PrepareContact(draft.parts);
+  if (!contact) return contact.error();
+  draft.contact = *std::move(contact);
   if (header_.has_generate() && header_.has_import_options()) {
     return InvalidArgument("header.import_options",
                            "header.import_options is set although header.generate makes guides");

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <atomic>
+#include <optional>
 #include <vector>
 
 #include "base/result.h"
 #include "groom/import.h"
 #include "mane/v1/groom.pb.h"
+#include "rpc/body_upload.h"
 #include "rpc/groom_library.h"
 
 namespace mane::rpc {
@@ -13,7 +15,7 @@ namespace mane::rpc {
 /// The messages of one CreateGroom call, gathered and checked as they come.
 class GroomUpload {
  public:
-  explicit GroomUpload(GroomLibrary& library) : library_(library) {}
+  explicit GroomUpload(GroomLibrary& library) : library_(library), bodies_(library.limits()) {}
 
   /// Takes the next message; true when it was `commit`, the last. kInvalidArgument or
   /// kResourceExhausted names the field.
@@ -33,6 +35,8 @@ class GroomUpload {
   long element_count_ = 0;
   v1::CreateGroomHeader header_;
   groom::TriangleMesh mesh_;
+  BodyUpload bodies_;
+  std::optional<groom::Friction> scalp_friction_;
   std::vector<groom::Guide> guides_;
   groom::ImportOptions import_options_;
   std::vector<groom::ImportedStrand> strands_;

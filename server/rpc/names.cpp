@@ -2,8 +2,6 @@
 
 #include <sys/random.h>
 
-#include <algorithm>
-
 #include "base/check.h"
 #include "base/text.h"
 
@@ -12,15 +10,10 @@ namespace {
 
 constexpr size_t kMaxId = 63;
 
-bool IsAlphanumeric(char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9'); }
-
 }  // namespace
 
 Result<void> CheckId(const std::string& id, const std::string& field) {
-  const bool valid = !id.empty() && id.size() <= kMaxId && IsAlphanumeric(id.front()) &&
-                     IsAlphanumeric(id.back()) &&
-                     std::ranges::all_of(id, [](char c) { return IsAlphanumeric(c) || c == '-'; });
-  if (valid) return {};
+  if (base::IsIdentifier(id, kMaxId, "-")) return {};
   return InvalidArgument(field, fmt::format("{} is \"{}\"; it must be 1 to {} of a-z, 0-9 and -, "
                                             "and begin and end with a letter or digit",
                                             field, base::Shown(id), kMaxId));

@@ -47,7 +47,8 @@ class RunningServer final : public Server {
         lockstep_(options.workers),
         requests_(kRequestWorkers),
         solving_(kSolvingWorkers),
-        grooms_(*groom_store_, solving_, GroomLimits(options)),
+        bodies_(BodyOptions(options)),
+        grooms_(*groom_store_, solving_, bodies_, GroomLimits(options)),
         queue_(*job_store_, {}),
         registry_(
             {options.max_heads, options.resume_grace_s, kElementStepsPerWorker * options.workers},
@@ -96,6 +97,7 @@ class RunningServer final : public Server {
     server_.reset();
     requests_.WaitIdle();
     solving_.WaitIdle();
+    bodies_.pool().WaitIdle();
   }
 
  private:
@@ -103,6 +105,12 @@ class RunningServer final : public Server {
     groom::Limits limits;
     limits.max_guides = options.max_groom_guides;
     return limits;
+  }
+
+  static session::BodyLibraryOptions BodyOptions(const ServerOptions& options) {
+    session::BodyLibraryOptions bodies;
+    bodies.workers = options.workers;
+    return bodies;
   }
 
   // Reasons in server/ARCHITECTURE.md, Transport.
@@ -134,6 +142,7 @@ class RunningServer final : public Server {
   exec::WorkerPool lockstep_;
   exec::WorkerPool requests_;
   exec::WorkerPool solving_;
+  session::BodyLibrary bodies_;
   GroomLibrary grooms_;
   jobs::Queue queue_;
   session::Registry registry_;

@@ -19,6 +19,11 @@ double PointCount(const groom::Groom& groom, const head::View& view) {
 
 }  // namespace
 
+double StepWork(const groom::Groom& groom, int steps) {
+  const int each = groom.has_contact ? kContactSteps : 1;
+  return static_cast<double>(groom.stepped_elements()) * steps * each;
+}
+
 Result<void> AdmitView(const groom::Groom& groom, const head::View& view,
                        const std::string& field) {
   const size_t bytes = head::FrameSize(groom, view);
@@ -33,7 +38,7 @@ Result<void> AdmitView(const groom::Groom& groom, const head::View& view,
 Result<void> AdmitHead(const groom::Groom& groom, const HeadOptions& options) {
   if (const auto ok = AdmitView(groom, options.view, "open."); !ok) return ok;
   const int steps = StepsOfFrame(options);
-  const double work = static_cast<double>(groom.stepped_elements()) * steps;
+  const double work = StepWork(groom, steps);
   if (work <= kMaxFrameWork) return {};
   return Error{ErrorCode::kResourceExhausted,
                fmt::format("{} elements in {} time steps, with open.substeps {}, are {} "
@@ -48,7 +53,7 @@ int FrameWindow(const groom::Groom& groom, const head::View& view, int most) {
 }
 
 Result<void> AdmitFrame(const groom::Groom& groom, const head::Movement& movement) {
-  const double work = static_cast<double>(groom.stepped_elements()) * head::StepCount(movement);
+  const double work = StepWork(groom, head::StepCount(movement));
   if (work <= kMaxFrameWork) return {};
   return Error{ErrorCode::kResourceExhausted,
                fmt::format("pose.time_s is {} s after the last one, {} element-steps; at most {} "
@@ -59,8 +64,9 @@ Result<void> AdmitFrame(const groom::Groom& groom, const head::Movement& movemen
 
 double RealtimeLoad(const groom::Groom& groom, const HeadOptions& options) {
   if (options.pacing != Pacing::kRealtime) return 0;
-  const int steps = StepsOfFrame(options) + (options.diagnostics ? kDiagnosticsSteps : 0);
-  const double frame = static_cast<double>(groom.stepped_elements()) * steps + kFrameSteps +
+  const int diagnostics = options.diagnostics ? kDiagnosticsSteps : 0;
+  const double frame = StepWork(groom, StepsOfFrame(options)) + kFrameSteps +
+                       static_cast<double>(groom.stepped_elements()) * diagnostics +
                        kPointSteps * PointCount(groom, options.view);
   return frame * options.rate_hz;
 }

@@ -12,6 +12,9 @@ namespace mane::session {
 /// element-steps that take about as long. All are estimates, made to tell what fits easily from
 /// what cannot; the notices of late frames tell the truth.
 
+/// Element-steps that a time step of one element counts as where hair meets bodies, the scalp or
+/// other wisps: distances, forces and friction at several points of it.
+inline constexpr int kContactSteps = 4;
 /// Element-steps that the diagnostics of one element count as, as measured against AVX-512's
 /// (`tests/bench/run rod`); they take some 430 ns.
 inline constexpr int kDiagnosticsSteps = 16;
@@ -26,6 +29,9 @@ inline constexpr double kMaxFrameWork = 1e7;
 inline constexpr size_t kMaxFrameBytes = 16 << 20;
 /// Bytes of frames that one head may have waiting or under way.
 inline constexpr size_t kMaxBacklogBytes = 32 << 20;
+
+/// Element-steps of `steps` time steps of all guides.
+[[nodiscard]] double StepWork(const groom::Groom& groom, int steps);
 
 /// kResourceExhausted when a frame of `view` is larger than kMaxFrameBytes; the error names
 /// `field`'s points_per_guide, `field` being empty or ending in a dot.

@@ -17,7 +17,7 @@ TEST_F(AdmissionTest, TheLimitRefusesButDetachedHeadsMakeRoom) {
   TestStream a, b, c;
   const auto first = Open(registry, a, Pacing::kLockstep);
   const auto second = Open(registry, b, Pacing::kRealtime);
-  const auto refused = registry.Open(groom_, {}, "", &c);
+  const auto refused = registry.Open({groom_}, {}, "", &c);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kResourceExhausted);
   registry.Leave(second, &b);
@@ -41,14 +41,14 @@ TEST_F(AdmissionTest, RealtimeHeadsAreAdmittedByWhatTheyNeed) {
   const std::string second_token = token_;
   HeadOptions third;
   third.rate_hz = 120;
-  const auto refused = registry.Open(groom_, third, "", &c);
+  const auto refused = registry.Open({groom_}, third, "", &c);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kResourceExhausted);
   const auto lockstep = Open(registry, c, Pacing::kLockstep);  // Takes none of it.
   // A head that waits for its client keeps its share until it is gone.
   TestStream d;
   registry.Leave(second, &b);
-  EXPECT_FALSE(registry.Open(groom_, third, "", &d));
+  EXPECT_FALSE(registry.Open({groom_}, third, "", &d));
   EXPECT_TRUE(registry.Resume(second_token, &b));
   registry.Close(first, &a);
   const auto again = Open(registry, a, Pacing::kRealtime);
@@ -82,6 +82,15 @@ TEST_F(AdmissionTest, AWoundElementCountsTwice) {
   EXPECT_DOUBLE_EQ(RealtimeLoad(*wound, options), 60 * (2 * 48 + 2000 + 12 * 16 / 2));
 }
 
+TEST_F(AdmissionTest, AnElementThatMeetsSomethingCountsAsFour) {
+  const auto groom = SampleGroomWithBodies(12, 4);  // Plain and wound guides: 60 element-steps.
+  HeadOptions options;
+  const double work = 4.0 * groom->stepped_elements();
+  EXPECT_DOUBLE_EQ(RealtimeLoad(*groom, options), 60 * (work + 2000 + 12 * 16 / 2));
+  EXPECT_DOUBLE_EQ(StepWork(*groom, 3), 3 * work);
+  EXPECT_DOUBLE_EQ(StepWork(*groom_, 3), 3 * 48);
+}
+
 TEST_F(AdmissionTest, EightHeadsOfAHundredGuidesFitWithAmpleRoom) {
   EXPECT_LT(8 * RealtimeLoad(*head::SampleGroom(100, 5), {}),
             RegistryOptions().realtime_capacity / 5);
@@ -95,7 +104,7 @@ TEST_F(AdmissionTest, FramesThatAreTooMuchWorkOrTooLargeAreRefused) {
     options.pacing = Pacing::kLockstep;
     options.substeps = substeps;
     options.view.points_per_guide = points;
-    const auto opened = registry.Open(groom_, options, "", &stream);
+    const auto opened = registry.Open({groom_}, options, "", &stream);
     EXPECT_FALSE(opened);
     return opened ? "" : opened.error().field;
   };
@@ -124,11 +133,11 @@ TEST_F(AdmissionTest, AHeadOfLargeFramesHoldsFewerOfThem) {
   options.view.points_per_guide = 100'000;  // 14.4 MB: two.
   options.max_unacked = 16;
   options.rate_hz = 10;
-  const auto newest = registry.Open(groom_, options, "", &realtime);
+  const auto newest = registry.Open({groom_}, options, "", &realtime);
   ASSERT_TRUE(newest);
   realtime.Follow(newest->head);
   options.pacing = Pacing::kLockstep;
-  const auto ordered = registry.Open(groom_, options, "", &lockstep);
+  const auto ordered = registry.Open({groom_}, options, "", &lockstep);
   ASSERT_TRUE(ordered);
   for (int i = 0; i < 2; ++i) {
     EXPECT_FALSE(ordered->head->Full());
@@ -153,7 +162,7 @@ TEST_F(AdmissionTest, AReplacementThatIsRefusedLeavesTheOldHeadAlone) {
   TestStream first, second, third;
   const auto head = Open(registry, first, Pacing::kRealtime, "try-1");
   options.rate_hz = 240;
-  const auto refused = registry.Open(groom_, options, "try-1", &second);
+  const auto refused = registry.Open({groom_}, options, "try-1", &second);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kResourceExhausted);
   EXPECT_EQ(registry.head_count(), 1);
@@ -178,7 +187,7 @@ TEST_F(AdmissionTest, AStoppingServerAdmitsNobody) {
   registry.Leave(head, &first);
   EXPECT_EQ(registry.attached_count(), 0);
   registry.StopAdmitting();
-  EXPECT_EQ(registry.Open(groom_, {}, "", &second).error().code, ErrorCode::kUnavailable);
+  EXPECT_EQ(registry.Open({groom_}, {}, "", &second).error().code, ErrorCode::kUnavailable);
   EXPECT_EQ(registry.Resume(token_, &second).error().code, ErrorCode::kUnavailable);
 }
 

@@ -8,6 +8,7 @@
 #include "head/frame.h"
 #include "head/head.h"
 #include "math/rigid.h"
+#include "session/body_poses.h"
 
 namespace mane::session {
 
@@ -27,11 +28,12 @@ struct HeadOptions {
   bool diagnostics = false;  ///< Every frame carries them.
 };
 
-/// A timed pose, head -> world; `teleport` moves head and hair without dynamics.
+/// A timed pose, head -> world; `teleport` moves head, bodies and hair without dynamics.
 struct PoseCommand {
   double time;  ///< Client's clock [s].
   math::Pose pose;
   bool teleport = false;
+  BodyPoses bodies = {};  ///< Of moving bodies; those it does not name stay where they are.
 };
 
 /// Least time between poses [s].

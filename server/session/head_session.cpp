@@ -32,24 +32,28 @@ Mailbox MakeMailbox(const groom::Groom& groom, const HeadOptions& options) {
 
 }  // namespace
 
-HeadSession::HeadSession(std::string name, std::shared_ptr<const groom::Groom> groom,
-                         const HeadOptions& options, exec::WorkerPool& pool, LevelLibrary& levels)
+HeadSession::HeadSession(std::string name, Asset asset, const HeadOptions& options,
+                         exec::WorkerPool& pool, LevelLibrary& levels)
     : name_(std::move(name)),
-      groom_(std::move(groom)),
+      groom_(std::move(asset.groom)),
+      bodies_(std::move(asset.bodies)),
       options_(options),
       pool_(pool),
       levels_(levels),
       max_backlog_(MaxBacklog(*groom_, options)),
       state_(head::AtRest(*groom_, options.initial_pose)),
       environment_(options.environment),
-      mailbox_(MakeMailbox(*groom_, options)) {}
+      motion_(bodies_),
+      mailbox_(MakeMailbox(*groom_, options)) {
+  head::StartContact(*groom_, bodies_, &state_);
+}
 
-Result<void> HeadSession::Submit(const Command& command) {
+Result<void> HeadSession::Submit(Command command) {
   const bool lockstep = options_.pacing == Pacing::kLockstep;
   {
     std::lock_guard lock(mutex_);
     if (end_) return Error{ErrorCode::kInternal, "the head has ended", ""};
-    if (const auto* pose = std::get_if<PoseCommand>(&command)) {
+    if (auto* pose = std::get_if<PoseCommand>(&command)) {
       const char* const field = pose->teleport ? "teleport.time_s" : "pose.time_s";
       if (newest_time_ && !(pose->time - *newest_time_ >= kLeastPoseGap)) {
         return InvalidArgument(field, fmt::format("{} is {}; it must be above the last one, {}, by "
@@ -69,14 +73,16 @@ Result<void> HeadSession::Submit(const Command& command) {
         if (!admitted) return admitted;
       }
       newest_time_ = pose->time;
+      Apply(pose->bodies, &named_);
+      pose->bodies = named_;
       if (!lockstep) {
         if (pose->teleport) motion_.Clear();
-        motion_.Add(pose->time, pose->pose, base::SteadySeconds());
+        motion_.Add(pose->time, pose->pose, base::SteadySeconds(), named_);
       }
     }
     if (lockstep || !std::holds_alternative<PoseCommand>(command) ||
         std::get<PoseCommand>(command).teleport) {
-      commands_.push_back(command);
+      commands_.push_back(std::move(command));
     }
     if (!lockstep || running_) return {};
     running_ = true;
@@ -175,10 +181,15 @@ void HeadSession::PrepareDetail() {
   }
 }
 
-void HeadSession::MoveTo(const math::Pose& target, double duration) {
+void HeadSession::MoveTo(const Target& target, double duration) {
   PrepareDetail();
-  const head::Movement movement{target, duration, options_.substeps};
+  const head::Movement movement{target.head, duration, options_.substeps, target.bodies};
   repaired_ += head::Advance(*groom_, movement, environment_, &state_, pool_).repaired_guides;
+}
+
+void HeadSession::TeleportTo(Target target) {
+  head::Teleport(*groom_, target.head, &state_);
+  state_.contact.moving = std::move(target.bodies);
 }
 
 std::shared_ptr<Frame> HeadSession::MakeFrame(double time, double newest_pose_time,
@@ -214,11 +225,12 @@ void HeadSession::RunCommand() {
   std::shared_ptr<Frame> frame;
   if (const auto* pose = std::get_if<PoseCommand>(&command)) {
     const double started = base::SteadySeconds();
+    Target target{pose->pose, PlaceBodies(bodies_.get(), pose->pose, pose->bodies)};
     if (pose->teleport || !placed_) {
-      head::Teleport(*groom_, pose->pose, &state_);
+      TeleportTo(std::move(target));
       placed_ = true;
     } else {
-      MoveTo(pose->pose, pose->time - last_pose_time_);
+      MoveTo(target, pose->time - last_pose_time_);
     }
     last_pose_time_ = pose->time;
     frame = MakeFrame(pose->time, pose->time, started);
@@ -257,21 +269,21 @@ void HeadSession::Tick(double due, int missed) {
   Start(pool_, [this, due, now] { RunTick(due, now); });
 }
 
-std::optional<math::Pose> HeadSession::RealtimeTarget(double due, double* time,
-                                                      double* newest_pose_time) {
+std::optional<HeadSession::Target> HeadSession::RealtimeTarget(double due, double* time,
+                                                               double* newest_pose_time) {
   if (motion_.empty()) return std::nullopt;
   // What is shown is never older than the first pose.
   *time = std::max(motion_.oldest_time(), motion_.ClientTime(due) - options_.pose_delay);
   // Never back, even when the estimate of the client's clock is corrected.
   if (placed_) *time = std::max(shown_time_, *time);
   *newest_pose_time = motion_.newest_time();
-  return motion_.At(*time);
+  return Target{motion_.At(*time), motion_.BodiesAt(*time)};
 }
 
 void HeadSession::RunTick(double due, double now) {
   const double started = base::SteadySeconds();
   std::deque<Command> commands;
-  std::optional<math::Pose> target;
+  std::optional<Target> target;
   double time = 0, newest_pose_time = 0;
   {
     std::lock_guard lock(mutex_);
@@ -288,10 +300,10 @@ void HeadSession::RunTick(double due, double now) {
     jump = jump || std::holds_alternative<PoseCommand>(command);
   }
   if (target) {
-    if (jump) head::Teleport(*groom_, *target, &state_);
+    if (jump) TeleportTo(*target);
     placed_ = true;
   }
-  if (elapsed > 0 && !jump) MoveTo(target.value_or(state_.pose), elapsed);
+  if (elapsed > 0 && !jump) MoveTo(target.value_or(Target{state_.pose, {}}), elapsed);
   shown_time_ = time;
   auto frame = MakeFrame(time, newest_pose_time, started);
   {

@@ -10,6 +10,7 @@
 #include "base/result.h"
 #include "exec/worker_pool.h"
 #include "groom/groom.h"
+#include "session/asset.h"
 #include "session/command.h"
 #include "session/frame.h"
 #include "session/level_library.h"
@@ -46,8 +47,8 @@ class FrameSink {
 ///            only when no call is under way; it is never taken under `mutex_`.
 class HeadSession : public std::enable_shared_from_this<HeadSession> {
  public:
-  HeadSession(std::string name, std::shared_ptr<const groom::Groom> groom,
-              const HeadOptions& options, exec::WorkerPool& pool, LevelLibrary& levels);
+  HeadSession(std::string name, Asset asset, const HeadOptions& options, exec::WorkerPool& pool,
+              LevelLibrary& levels);
 
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] const groom::Groom& groom() const { return *groom_; }
@@ -55,7 +56,7 @@ class HeadSession : public std::enable_shared_from_this<HeadSession> {
 
   /// Hands over what the client sent. kInvalidArgument for a pose whose time does not increase or
   /// (lockstep) is more than a second after the one before.
-  Result<void> Submit(const Command& command);
+  Result<void> Submit(Command command);
   /// See Mailbox::Acknowledge; no effect in lockstep.
   Result<void> Acknowledge(uint64_t index);
   /// The next frame to send, if any.
@@ -95,14 +96,20 @@ class HeadSession : public std::enable_shared_from_this<HeadSession> {
   // that they act from the first frame with a tolerance on, always. Real time goes on without until
   // they have been made elsewhere.
   void PrepareDetail();
-  void MoveTo(const math::Pose& target, double duration);
+  struct Target {
+    math::Pose head;
+    std::vector<math::Pose> bodies;  // (moving_count)
+  };
+  void MoveTo(const Target& target, double duration);
+  void TeleportTo(Target target);
   std::shared_ptr<Frame> MakeFrame(double time, double newest_pose_time, double started);
   void NotifyLateness(double now);
-  [[nodiscard]] std::optional<math::Pose> RealtimeTarget(double due, double* time,
-                                                         double* newest_pose_time);
+  [[nodiscard]] std::optional<Target> RealtimeTarget(double due, double* time,
+                                                     double* newest_pose_time);
 
   const std::string name_;
   const std::shared_ptr<const groom::Groom> groom_;
+  const std::shared_ptr<const head::Bodies> bodies_;  // Null for none.
   const HeadOptions options_;
   exec::WorkerPool& pool_;
   LevelLibrary& levels_;
@@ -124,6 +131,7 @@ class HeadSession : public std::enable_shared_from_this<HeadSession> {
   std::optional<Error> end_;      // Why, once the head has ended.
   std::deque<Command> commands_;  // Lockstep: all; real time: all but plain poses.
   MotionBuffer motion_;           // Real time.
+  BodyPoses named_;               // Newest pose of every body that any pose has named.
   std::optional<double> newest_time_;  // Client time of the newest pose.
   Mailbox mailbox_;
   uint64_t next_frame_ = 1;

@@ -52,7 +52,7 @@ TEST_F(LevelLibraryTest, LockstepFramesDoNotDependOnWhetherTheyWereThere) {
     TestStream stream;
     HeadOptions options;
     options.pacing = Pacing::kLockstep;
-    const auto opened = registry.Open(groom, options, "", &stream);
+    const auto opened = registry.Open({groom}, options, "", &stream);
     ASSERT_TRUE(opened);
     stream.Follow(opened->head);
     for (int i = 0; i < 120; ++i) {
@@ -85,7 +85,7 @@ TEST_F(LevelLibraryTest, NoRealtimeFrameWaitsForThem) {
   options.rate_hz = 240;
   options.environment.detail_tolerance = 0.01;
   options.max_unacked = 16;
-  const auto opened = registry.Open(groom, options, "", &stream);
+  const auto opened = registry.Open({groom}, options, "", &stream);
   ASSERT_TRUE(opened);
   stream.Follow(opened->head);
   const auto newest = [&](const auto& done) {

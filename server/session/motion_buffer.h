@@ -1,14 +1,16 @@
 #pragma once
 
 #include <deque>
-#include <optional>
+#include <memory>
+#include <utility>
+#include <vector>
 
-#include "base/result.h"
 #include "math/rigid.h"
+#include "session/body_poses.h"
 
 namespace mane::session {
 
-/// The recent poses of one head, and what the client's clock shows.
+/// The recent poses of one head and its moving bodies, and what the client's clock shows.
 ///
 /// Client and server clocks share no origin. A pose stamped t that arrives at server time a bounds
 /// their difference: a - t is the difference plus the delay on the way, so the smallest a - t of
@@ -24,9 +26,13 @@ class MotionBuffer {
   /// A speed is taken over at least this long [s]: noise in two poses at nearly one time is none.
   static constexpr double kBaseline = 0.01;
 
+  /// @param bodies  of the head; null for none.
+  explicit MotionBuffer(std::shared_ptr<const head::Bodies> bodies = nullptr)
+      : bodies_(std::move(bodies)) {}
+
   /// Adds a pose of client time `time` [s], later than all before, received at server time
-  /// `arrival`.
-  void Add(double time, const math::Pose& pose, double arrival);
+  /// `arrival`; `bodies` are all that were named until then.
+  void Add(double time, const math::Pose& pose, double arrival, BodyPoses bodies = {});
   /// Forgets all poses: motion before a jump says nothing about motion after it.
   void Clear() { poses_.clear(); }
 
@@ -43,12 +49,28 @@ class MotionBuffer {
   /// at most kMaxExtrapolation, then held. There must be a pose.
   [[nodiscard]] math::Pose At(double time) const;
 
+  /// World poses of all moving bodies at client time `time`, likewise. One that was not named
+  /// before or after that time is at rest on the head; one that was named first in between is on
+  /// the way from there.
+  [[nodiscard]] std::vector<math::Pose> BodiesAt(double time) const;
+
  private:
   struct TimedPose {
     double time;
     double arrival;
     math::Pose pose;
+    BodyPoses bodies;
   };
+  // The way from one pose to another, and how much of it has been gone: outside [0, 1] beyond them.
+  struct Way {
+    const TimedPose* from;
+    const TimedPose* to;
+    double part;
+  };
+
+  [[nodiscard]] Way WayAt(double time) const;
+
+  std::shared_ptr<const head::Bodies> bodies_;
   std::deque<TimedPose> poses_;  // By time.
 };
 

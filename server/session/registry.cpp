@@ -77,26 +77,26 @@ Result<Registry::Entries::iterator> Registry::AdmitLocked(const groom::Groom& gr
   return leaving;
 }
 
-Result<OpenedHead> Registry::Open(std::shared_ptr<const groom::Groom> groom,
-                                  const HeadOptions& options, const std::string& request_id,
-                                  FrameSink* sink) {
-  if (const auto ok = AdmitHead(*groom, options); !ok) return ok.error();
+Result<OpenedHead> Registry::Open(const Asset& asset, const HeadOptions& options,
+                                  const std::string& request_id, FrameSink* sink) {
+  const groom::Groom& groom = *asset.groom;
+  if (const auto ok = AdmitHead(groom, options); !ok) return ok.error();
   {
     // Before the head is built, which takes time and memory, and, as others come and go meanwhile,
     // once more below.
     std::lock_guard lock(mutex_);
-    if (const auto ok = AdmitLocked(*groom, options, request_id); !ok) return ok.error();
+    if (const auto ok = AdmitLocked(groom, options, request_id); !ok) return ok.error();
   }
   const uint64_t id = next_id_++;
   exec::WorkerPool& pool = options.pacing == Pacing::kRealtime ? realtime_ : lockstep_;
   const OpenedHead opened{
-      std::make_shared<HeadSession>(fmt::format("heads/{}", id), groom, options, pool, levels_),
+      std::make_shared<HeadSession>(fmt::format("heads/{}", id), asset, options, pool, levels_),
       MakeToken()};
   std::lock_guard handover(handover_);
   std::shared_ptr<HeadSession> replaced;
   {
     std::lock_guard lock(mutex_);
-    const auto leaving = AdmitLocked(*groom, options, request_id);
+    const auto leaving = AdmitLocked(groom, options, request_id);
     if (!leaving) return leaving.error();
     if (*leaving != entries_.end()) {
       replaced = std::move((*leaving)->second.head);

@@ -52,7 +52,7 @@ class Registry {
   /// head alone is too much (AdmitHead), or when real-time heads would need more than
   /// `realtime_capacity`, of which detached ones keep their share for Resume; kUnavailable once
   /// StopAdmitting was called.
-  Result<OpenedHead> Open(std::shared_ptr<const groom::Groom> groom, const HeadOptions& options,
+  Result<OpenedHead> Open(const Asset& asset, const HeadOptions& options,
                           const std::string& request_id, FrameSink* sink);
   /// The detached head of `resume_token`, attached to `sink`. A stream that still holds it is
   /// ended. kNotFound when it has expired.

@@ -76,7 +76,7 @@ TEST_F(RegistryTest, ALockstepHeadThatAlwaysHasMoreLeavesOthersTheirTurn) {
   TirelessStream busy;
   HeadOptions options;
   options.pacing = Pacing::kLockstep;
-  const auto tireless = registry.Open(groom_, options, "", &busy);
+  const auto tireless = registry.Open({groom_}, options, "", &busy);
   ASSERT_TRUE(tireless);
   busy.Run(tireless->head.get());
   TestStream stream;
@@ -153,7 +153,7 @@ TEST_F(RegistryTest, FramesAreNeverOlderThanTheFirstPose) {
   HeadOptions options;
   options.rate_hz = 120;
   options.pose_delay = 0.05;
-  const auto opened = registry.Open(groom_, options, "", &stream);
+  const auto opened = registry.Open({groom_}, options, "", &stream);
   ASSERT_TRUE(opened);
   stream.Follow(opened->head);
   constexpr double kFirst = 1000;
@@ -200,7 +200,7 @@ TEST_F(RegistryTest, ASlowRateMovesHairAllTheSame) {
   TestStream stream;
   HeadOptions options;
   options.rate_hz = 1.5;
-  const auto opened = registry.Open(groom_, options, "", &stream);
+  const auto opened = registry.Open({groom_}, options, "", &stream);
   ASSERT_TRUE(opened);
   stream.Follow(opened->head);
   ASSERT_TRUE(opened->head->Submit(EnvironmentCommand{{}, Eigen::Vector3d(9.81, 0, 0), {}, {}}));
@@ -231,7 +231,7 @@ TEST_F(RegistryTest, AFaultEndsOneHeadAndNoOther) {
   HeadOptions bad;  // Validation keeps such a view out; here it stands for a fault of the program.
   bad.pacing = Pacing::kLockstep;
   bad.view.points_per_guide = 1;
-  const auto broken = registry.Open(groom_, bad, "", &sick)->head;
+  const auto broken = registry.Open({groom_}, bad, "", &sick)->head;
   const auto healthy = Open(registry, well, Pacing::kLockstep);
   ASSERT_TRUE(broken->Submit(PoseCommand{0, {}}));
   ASSERT_TRUE(sick.WaitFor([](const TestStream& s) { return s.end_.has_value(); }));

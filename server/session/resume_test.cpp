@@ -45,7 +45,8 @@ TEST_F(ResumeTest, ResumingTakesTheHeadFromAStreamThatStillHoldsIt) {
 
 TEST_F(ResumeTest, AStreamThatComesToAnEndedHeadIsTold) {
   LevelLibrary levels(pool_);
-  const auto head = std::make_shared<HeadSession>("heads/1", groom_, HeadOptions(), pool_, levels);
+  const auto head =
+      std::make_shared<HeadSession>("heads/1", Asset{groom_}, HeadOptions(), pool_, levels);
   head->End({ErrorCode::kUnavailable, "the server is stopping", ""});
   head->End({ErrorCode::kInternal, "too late", ""});
   TestStream stream;
@@ -103,7 +104,7 @@ TEST_F(ResumeTest, ManyStreamsComeAndGoAtOnce) {
         HeadOptions options;
         options.pacing = (c + round) % 2 == 0 ? Pacing::kRealtime : Pacing::kLockstep;
         options.rate_hz = 240;
-        const auto opened = registry.Open(groom_, options, "", &stream);
+        const auto opened = registry.Open({groom_}, options, "", &stream);
         ASSERT_TRUE(opened);
         stream.Follow(opened->head);
         for (int i = 0; i < 4; ++i) ASSERT_TRUE(opened->head->Submit(Pose(i)));

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "groom/assemble.h"
 #include "head/sample_groom.h"
 #include "session/registry.h"
 
@@ -85,6 +86,18 @@ class TestStream final : public FrameSink {
   std::shared_ptr<HeadSession> head_;
 };
 
+/// head::SampleGroom with a shoulder, fixed to the head, and two hands that move.
+[[nodiscard]] inline std::shared_ptr<const groom::Groom> SampleGroomWithBodies(int guides,
+                                                                               int elements) {
+  groom::Parts parts;
+  parts.guides = head::SampleGroom(guides, elements)->guides;
+  const groom::Body::Ellipsoid ball{{0.05, 0.06, 0.05}};
+  parts.bodies = {{"hand-l", ball, {}, true, {{-0.3, 0, 0}, Eigen::Quaterniond::Identity()}},
+                  {"shoulder", ball, {}, false, {{0, -0.3, 0}, Eigen::Quaterniond::Identity()}},
+                  {"hand-r", ball, {}, true, {{0.3, 0, 0}, Eigen::Quaterniond::Identity()}}};
+  return *groom::Assemble(std::move(parts), {}, nullptr);
+}
+
 /// A groom of twelve guides of four elements, and workers for its heads.
 class RegistryTest : public ::testing::Test {
  protected:
@@ -93,7 +106,7 @@ class RegistryTest : public ::testing::Test {
     HeadOptions options;
     options.pacing = pacing;
     options.rate_hz = 120;
-    const auto opened = registry.Open(groom_, options, request_id, &stream);
+    const auto opened = registry.Open({groom_}, options, request_id, &stream);
     EXPECT_TRUE(opened) << (opened ? "" : opened.error().message);
     if (!opened) return nullptr;
     token_ = opened->resume_token;

@@ -9,7 +9,7 @@ namespace {
 // Its columns in the order in which ReadRecord reads them.
 constexpr std::string_view kSelect =
     "SELECT id, request_id, display_name, hair_type, seed, guide_count, element_count, "
-    "longest_guide_m, has_scalp, etag, create_time_ns, import_summary FROM grooms";
+    "longest_guide_m, has_scalp, etag, create_time_ns, import_summary, contact FROM grooms";
 
 GroomRecord ReadRecord(const Statement& row) {
   GroomRecord record;
@@ -25,6 +25,7 @@ GroomRecord ReadRecord(const Statement& row) {
   record.etag = row.Bytes(9);
   record.create_time_ns = row.Integer(10);
   record.import_summary = row.Bytes(11);
+  record.contact = row.Bytes(12);
   return record;
 }
 
@@ -51,11 +52,11 @@ Result<std::optional<GroomRecord>> FindByRequest(Database& database, std::string
 Result<void> Insert(Database& database, const GroomRecord& record, const GroomContent& content) {
   auto inserted = database.Run(
       "INSERT INTO grooms (id, request_id, display_name, hair_type, seed, guide_count, "
-      "element_count, longest_guide_m, has_scalp, etag, create_time_ns, import_summary) "
-      "VALUES (?, nullif(?, ''), ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+      "element_count, longest_guide_m, has_scalp, etag, create_time_ns, import_summary, "
+      "contact) VALUES (?, nullif(?, ''), ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
       record.id, record.request_id, record.display_name, record.hair_type, record.seed,
       record.guide_count, record.element_count, record.longest_guide_m, record.has_scalp,
-      record.etag, record.create_time_ns, Blob{record.import_summary});
+      record.etag, record.create_time_ns, Blob{record.import_summary}, Blob{record.contact});
   if (!inserted) return inserted;
   return database.Run("INSERT INTO groom_contents (groom_id, groom, rest) VALUES (?, ?, ?)",
                       record.id, Blob{content.groom}, Blob{content.rest});

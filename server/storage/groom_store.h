@@ -28,6 +28,7 @@ struct GroomRecord {
   std::string etag;            ///< Digest of the content.
   int64_t create_time_ns = 0;  ///< Since the Unix epoch.
   std::string import_summary;  ///< Bytes; empty for a groom that was not imported.
+  std::string contact;         ///< What its hair meets, as bytes; empty for nothing.
 
   bool operator==(const GroomRecord&) const = default;
 };

@@ -30,6 +30,7 @@ GroomRecord MakeRecord(const std::string& id, const std::string& request_id = ""
   record.etag = "d1ce" + id;
   record.create_time_ns = 1'700'000'000'123'456'789;
   record.import_summary = std::string("sum\0mary", 8);
+  record.contact = std::string("con\0tact", 8);
   return record;
 }
 
@@ -67,7 +68,7 @@ TEST_F(GroomStoreTest, GroomComesBackWholeAfterReopening) {
   }
 }
 
-TEST_F(GroomStoreTest, GroomsFromBeforeImportsStayAndHaveNoSummary) {
+TEST_F(GroomStoreTest, GroomsFromBeforeImportsAndContactStayAndHaveNeither) {
   GroomRecord record = MakeRecord("old");
   MANE_ASSERT_OK(store_->Put(record, content_));
   {
@@ -75,10 +76,12 @@ TEST_F(GroomStoreTest, GroomsFromBeforeImportsStayAndHaveNoSummary) {
     MANE_ASSERT_OK(database);
     MANE_ASSERT_OK(
         database->RunScript("ALTER TABLE grooms DROP COLUMN import_summary;"
+                            "ALTER TABLE grooms DROP COLUMN contact;"
                             "DELETE FROM schema_migrations WHERE version >= 2;"));
   }
   Reopen();
   record.import_summary.clear();
+  record.contact.clear();
   const auto got = store_->Get("old");
   MANE_ASSERT_OK(got);
   EXPECT_EQ(*got, record);

@@ -66,6 +66,9 @@ constexpr std::array kMigrations = {
     R"sql(
       ALTER TABLE grooms ADD COLUMN import_summary BLOB NOT NULL DEFAULT x'';
     )sql",
+    R"sql(
+      ALTER TABLE grooms ADD COLUMN contact BLOB NOT NULL DEFAULT x'';
+    )sql",
 };
 
 Result<int64_t> ReadInteger(Database& database, std::string_view sql) {

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 namespace mane::inline client {
 
 /// A point or a vector. Right-handed axes, Y up, SI units.
@@ -22,6 +25,13 @@ struct Quaternion {
 struct Pose {
   Vector3 position;  ///< [m], each component within ±1e6.
   Quaternion orientation;
+};
+
+/// Triangles in the frame of the head, or of a body.
+struct TriangleMesh {
+  std::vector<float> vertices;           ///< [m], (vertex, 3).
+  std::vector<std::uint32_t> triangles;  ///< Indices, (triangle, 3), counter-clockwise outside.
+  std::vector<std::uint32_t> hair_triangles;  ///< Where hair grows; empty means everywhere.
 };
 
 }  // namespace mane::inline client

@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "mane/bodies.h"
 #include "mane/geometry.h"
 #include "mane/strands.h"
 
@@ -62,6 +63,10 @@ struct Guide {
   std::vector<double> natural_curvature_2;
 
   StrandModel model = StrandModel::kSuperHelix;
+
+  /// Of the wisp of hair that the guide stands for, which other guides' wisps stay out of [m], in
+  /// [0, 0.1]; 0 for none.
+  double wisp_radius_m = 0;
 };
 
 /// An ellipsoid with axes along the head frame. Hair grows where the outward normal is within
@@ -71,13 +76,6 @@ struct EllipsoidScalp {
   Vector3 radii_m{0.1, 0.1, 0.1};  ///< [m], each in [1e-3, 10].
   Vector3 cap_axis{0, 1, 0};
   double cap_angle = 0;  ///< [rad], in (0, pi]; 0 means the whole ellipsoid.
-};
-
-/// Triangles in the head frame.
-struct TriangleMesh {
-  std::vector<float> vertices;           ///< [m], (vertex, 3).
-  std::vector<std::uint32_t> triangles;  ///< Indices, (triangle, 3), counter-clockwise outside.
-  std::vector<std::uint32_t> hair_triangles;  ///< Where hair grows; empty means everywhere.
 };
 
 /// Asks the server to place and shape guides itself.
@@ -96,6 +94,7 @@ struct GuideGeneration {
   double root_droop = 0.3;
   /// kUnspecified takes kWound for hair that turns at least five times, and more than N / 2 times.
   StrandModel model = StrandModel::kUnspecified;
+  double wisp_radius_m = 0;  ///< Of all guides, as in Guide.
 };
 
 /// A new groom: a scalp if there is one, and guides, strands to make them of, or the wish to have
@@ -106,6 +105,8 @@ struct GroomUpload {
   std::string request_id;    ///< Any unique string of at most 64 bytes; makes a retry safe.
   std::variant<std::monostate, EllipsoidScalp, TriangleMesh> scalp;
   std::variant<std::vector<Guide>, GuideGeneration, StrandImport> guides;
+  std::optional<ScalpContact> scalp_contact = {};  ///< Set where hair meets the scalp.
+  std::vector<Body> bodies = {};                   ///< What else it meets, at most 64.
 };
 
 /// What the server tells about a stored groom.
@@ -121,6 +122,9 @@ struct GroomInfo {
   std::string etag;  ///< Digest of the content: equal content, equal etag.
   bool has_scalp = false;
   std::optional<ImportSummary> import_summary;  ///< Of a groom made from strands.
+  std::uint32_t body_count = 0;                 ///< That its hair meets, but for the scalp.
+  std::vector<BodySummary> bodies;              ///< Those; ListGrooms() leaves them out.
+  std::optional<ScalpContact> scalp_contact;    ///< Set where its hair meets the scalp.
 };
 
 /// How the head is held for a rest shape.

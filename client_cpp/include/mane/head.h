@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "mane/bodies.h"
 #include "mane/error.h"
 #include "mane/geometry.h"
 
@@ -151,14 +152,16 @@ class Head {
 
   /// kRealtime: moves the head. Replaces a pose that is not sent yet.
   /// @param time_s  your clock [s], any origin; must increase from pose to pose.
+  /// @param bodies  where moving bodies of the groom are then. One that is left out stays where it
+  ///                last was in the world; one that never was given moves along with the head.
   /// @return kInvalidArgument (`time_s`) for a time that does not increase, kFailedPrecondition in
   ///         kLockstep, the closing error when closed. Other faults of the pose are found by the
   ///         server and close the head.
-  Result<void> PushPose(double time_s, const Pose& pose);
+  Result<void> PushPose(double time_s, const Pose& pose, const std::vector<BodyPose>& bodies = {});
 
-  /// kRealtime: moves head and hair together without dynamics, as a cut in a film does. Errors as
-  /// PushPose().
-  Result<void> Teleport(double time_s, const Pose& pose);
+  /// kRealtime: moves head and hair together without dynamics, as a cut in a film does;
+  /// bodies are where it says at once. Errors as PushPose().
+  Result<void> Teleport(double time_s, const Pose& pose, const std::vector<BodyPose>& bodies = {});
 
   /// Puts the hair to its rest shape with no velocity, from the next frame on.
   Result<void> Reset();
@@ -171,10 +174,12 @@ class Head {
 
   /// kLockstep: sends one pose and waits for its frame, at most HeadOptions::step_timeout, which
   /// closes the head, for its state would be unknown. Errors otherwise as PushPose().
-  Result<std::shared_ptr<const Frame>> Step(double time_s, const Pose& pose);
+  Result<std::shared_ptr<const Frame>> Step(double time_s, const Pose& pose,
+                                            const std::vector<BodyPose>& bodies = {});
 
   /// kLockstep: Teleport() and its frame.
-  Result<std::shared_ptr<const Frame>> StepTeleport(double time_s, const Pose& pose);
+  Result<std::shared_ptr<const Frame>> StepTeleport(double time_s, const Pose& pose,
+                                                    const std::vector<BodyPose>& bodies = {});
 
   HeadStatus Status() const;
 

@@ -48,6 +48,7 @@ struct ImportOptions {
   /// holds it, at most this one, 1 to 1000.
   double max_stiffness_factor = 4;
   double stability_margin = 0.1;  ///< How far from buckling a held shape must be, 0 to 0.9.
+  double wisp_radius_m = 0;       ///< Of all guides, as in Guide.
 };
 
 /// Strands to import, in place of guides.

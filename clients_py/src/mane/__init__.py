@@ -7,6 +7,15 @@ All lengths are metres, all angles radians; axes are right-handed with Y up, an 
 toward +Z; quaternions are (x, y, z, w). `mane.convert` brings other conventions here.
 """
 
+from mane.bodies import (
+    Body,
+    BodySummary,
+    CapsuleBody,
+    EllipsoidBody,
+    Material,
+    MeshReport,
+    ScalpContact,
+)
 from mane.client import Bake, Client, Status
 from mane.errors import (
     AlreadyExists,
@@ -46,11 +55,15 @@ from mane.stream import Notice, NoticeCode, Pacing
 __all__ = [
     "AlreadyExists",
     "Bake",
+    "Body",
+    "BodySummary",
     "Cancelled",
+    "CapsuleBody",
     "Client",
     "DeadlineExceeded",
     "Diagnostics",
     "Ellipsoid",
+    "EllipsoidBody",
     "Environment",
     "Error",
     "FailedPrecondition",
@@ -71,7 +84,9 @@ __all__ = [
     "JobFailed",
     "JobState",
     "LockstepHead",
+    "Material",
     "Mesh",
+    "MeshReport",
     "Motion",
     "NotFound",
     "Notice",
@@ -82,6 +97,7 @@ __all__ = [
     "RealtimeHead",
     "ResourceExhausted",
     "RestShape",
+    "ScalpContact",
     "Space",
     "Status",
     "Strand",

@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike
 from mane import channel, jobs, messages, strand_messages, stream
 from mane import client as blocking
 from mane.aio_heads import Head, LockstepHead, RealtimeHead, open_head
+from mane.bodies import Body, ScalpContact
 from mane.client import Status
 from mane.frames import Frame, FrameFormat, Space
 from mane.groom import Ellipsoid, Groom, Guide, GuideGeneration, RestShape
@@ -94,6 +95,8 @@ class Client:
         strands: Iterable[Strand | ArrayLike] = (),
         import_options: ImportOptions | None = None,
         scalp: Mesh | Ellipsoid | None = None,
+        scalp_contact: ScalpContact | None = None,
+        bodies: Iterable[Body] = (),
         generate: GuideGeneration | None = None,
         groom_id: str = "",
         display_name: str = "",
@@ -105,6 +108,8 @@ class Client:
             strands=strands,
             import_options=import_options,
             scalp=scalp,
+            scalp_contact=scalp_contact,
+            bodies=bodies,
             generate=generate,
             groom_id=groom_id,
             display_name=display_name,

@@ -8,7 +8,8 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from mane import cli_import, mesh
+from mane import cli_bodies, cli_import, mesh
+from mane.bodies import Material, ScalpContact
 from mane.client import Client
 from mane.convert import UNITS_M
 from mane.errors import InvalidArgument
@@ -57,7 +58,13 @@ def create(
     group: Annotated[
         str | None, typer.Option(help="Group of the OBJ file that is skin; all unless given.")
     ] = None,
-    unit: Annotated[str, typer.Option(help=f"Unit of the OBJ file: {', '.join(UNITS_M)}.")] = "m",
+    unit: Annotated[str, typer.Option(help=f"Unit of the OBJ files: {', '.join(UNITS_M)}.")] = "m",
+    scalp_contact: Annotated[
+        bool, typer.Option(help="Let hair meet head and shoulders, of skin, and not pass through.")
+    ] = False,
+    body: cli_bodies.Bodies = None,
+    body_material: cli_bodies.BodyMaterial = Material.UNSPECIFIED,
+    wisp_radius: cli_bodies.WispRadius = 0.0,
     display_name: Annotated[str, typer.Option(help="Free text.")] = "",
 ) -> None:
     """Grow hair on a head and keep it on the server.
@@ -68,7 +75,10 @@ def create(
     mane groom create demo
     mane groom create afro --hair-type african_fuzzy --length 0.1 --guides 400 --model wound
     mane groom create anna --scalp body.obj --group body --unit dm
+    mane groom create eve --scalp-contact --body collar=collar.obj --body-material cotton
     ```
+
+    The unit is that of all OBJ files.
     """
     client: Client = context.obj
     if unit not in UNITS_M:
@@ -79,10 +89,18 @@ def create(
         head = mesh.load_head(scalp, group, UNITS_M[unit]) if scalp else mesh.mannequin()
     except ValueError as error:
         raise InvalidArgument.of("scalp", str(error)) from error
-    generate = GuideGeneration(hair_type, guides, length, elements, seed, model=model)
+    bodies = cli_bodies.load_bodies(body, body_material, UNITS_M[unit])
+    generate = GuideGeneration(
+        hair_type, guides, length, elements, seed, model=model, wisp_radius_m=wisp_radius
+    )
     with waiting(f"growing {guides} guides"):
         groom = client.create_groom(
-            scalp=head, generate=generate, groom_id=groom_id, display_name=display_name
+            scalp=head,
+            scalp_contact=ScalpContact(Material.SKIN) if scalp_contact else None,
+            bodies=bodies,
+            generate=generate,
+            groom_id=groom_id,
+            display_name=display_name,
         )
     out.print(f"{groom.name}: {groom.guide_count} guides, {groom.element_count} elements")
 
@@ -135,6 +153,7 @@ def show(
         "elements": str(found.element_count),
         "longest": f"{found.longest_guide_m:.3f} m",
         "scalp": "yes" if found.has_scalp else "no",
+        "meets": cli_bodies.met_by(found),
         "etag": found.etag,
     }
     for row in rows.items():

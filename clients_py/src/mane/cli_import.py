@@ -10,6 +10,8 @@ import numpy as np
 import typer
 from rich.table import Table
 
+from mane import cli_bodies
+from mane.bodies import Material
 from mane.client import Client
 from mane.convert import CONVENTIONS, UNITS_M
 from mane.groom import Groom, HairType
@@ -60,6 +62,9 @@ def import_(
     axes: Annotated[
         str, typer.Option(help=f"Axes of the file: {', '.join(CONVENTIONS)}.")
     ] = "mane",
+    body: cli_bodies.Bodies = None,
+    body_material: cli_bodies.BodyMaterial = Material.UNSPECIFIED,
+    wisp_radius: cli_bodies.WispRadius = 0.0,
     display_name: Annotated[str, typer.Option(help="Free text.")] = "",
     picture: Annotated[
         Path | None,
@@ -84,7 +89,7 @@ def import_(
     are found with which the shape is at rest under its weight. Where hair is too soft for its
     shape, and would buckle, stiffness is raised up to --max-stiffness times; what still does not
     hold is reported, with the factor that it needs. Stiffer is also a --hair-type with thicker
-    hair. Modelled without weight, hair should sag: --no-hold.
+    hair. Modelled without weight, hair should sag: --no-hold. OBJ files of bodies are in metres.
 
     Examples:
 
@@ -112,11 +117,13 @@ def import_(
         error_bound_m=error_bound,
         hold=hold,
         max_stiffness_factor=max_stiffness,
+        wisp_radius_m=wisp_radius,
     )
     with waiting(f"importing {len(given)} strands"):
         groom = client.create_groom(
             strands=map(Strand, given),
             import_options=options,
+            bodies=cli_bodies.load_bodies(body, body_material, 1.0),
             groom_id=groom_id,
             display_name=display_name,
         )

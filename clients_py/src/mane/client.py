@@ -14,6 +14,7 @@ from grpc_health.v1 import health_pb2, health_pb2_grpc
 from numpy.typing import ArrayLike
 
 from mane import channel, jobs, messages, strand_messages, stream
+from mane.bodies import Body, ScalpContact
 from mane.errors import InvalidArgument
 from mane.frames import Frame, FrameFormat, Space
 from mane.groom import Ellipsoid, Groom, Guide, GuideGeneration, RestShape
@@ -117,6 +118,8 @@ class Client:
         strands: Iterable[Strand | ArrayLike] = (),
         import_options: ImportOptions | None = None,
         scalp: Mesh | Ellipsoid | None = None,
+        scalp_contact: ScalpContact | None = None,
+        bodies: Iterable[Body] = (),
         generate: GuideGeneration | None = None,
         groom_id: str = "",
         display_name: str = "",
@@ -131,24 +134,29 @@ class Client:
             strand by strand. Takes 10 to 100 ms a strand, some times that with an error bound.
           import_options: how; None is `ImportOptions()`.
           scalp: a triangle mesh or an ellipsoid in the head frame; `generate` needs one.
+          scalp_contact: a `ScalpContact` where hair meets the scalp; None where it passes through.
+            A mesh may have holes, which are closed, up to a fifth of its surface.
+          bodies: what else hair meets, at most 64. Meshes take seconds.
           generate: places and shapes guides on the scalp's hair region.
           groom_id: last part of the name, `[a-z0-9]([a-z0-9-]{0,61}[a-z0-9])?`; the server chooses
             one where it is empty.
           display_name: free text, at most 200 bytes.
 
-        Raises InvalidArgument that names the offending field (`guides[12].length_m`),
+        Raises InvalidArgument that names the offending field (`guides[12].length_m`), and the body,
         AlreadyExists where the id is taken, ResourceExhausted above the server's limits.
         """
-        header = messages.create_header(groom_id, display_name, generate)
+        header = messages.create_header(groom_id, display_name, generate, scalp_contact)
         if import_options is None:
             strands = list(strands)
             import_options = ImportOptions() if strands else None
         if import_options is None:
-            requests, patience = messages.create_groom(header, guides, scalp), 10
+            requests, patience = messages.create_groom(header, guides, scalp, bodies), 10
         elif any(True for _ in guides):
             raise InvalidArgument.of("guides", "must be empty where strands are imported")
         else:
-            requests = strand_messages.create_groom(header, strands, import_options, scalp)
+            requests = strand_messages.create_groom(
+                header, strands, import_options, scalp, bodies
+            )
             patience = 100
         groom = self._call(self._grooms.CreateGroom, requests, patience)
         return messages.from_groom(groom)
@@ -180,7 +188,7 @@ class Client:
         self._call(self._grooms.DeleteGroom, messages.of_groom(groom_pb2.DeleteGroomRequest, groom))
 
     def export_groom(self, groom: Groom | str) -> Groom:
-        """A groom with its guides and scalp."""
+        """A groom with its guides, scalp and bodies."""
         parts = messages.ExportedGroom()
         call = self._grooms.ExportGroom(
             messages.of_groom(groom_pb2.ExportGroomRequest, groom), timeout=10 * self._timeout_s

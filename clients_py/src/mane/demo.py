@@ -2,7 +2,7 @@
 
 For every hair type: the server makes a groom on the head (the shipped mannequin, or a mesh of your
 own), animates it in LOCKSTEP over the motion at 60 poses a second, and this program draws what came
-back. The grooms are deleted afterwards. Nothing keeps hair off head and shoulders yet.
+back. The grooms are deleted afterwards.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import numpy as np
 import typer
 
 from mane import clips, mesh
+from mane.bodies import Material, ScalpContact
 from mane.channel import DEFAULT_SERVER, SERVER_VARIABLE
 from mane.client import Client
 from mane.errors import Error, InvalidArgument
@@ -98,6 +99,9 @@ def demo(
     ] = None,
     substeps: Annotated[int, typer.Option(min=1, max=64, help="Time steps per frame.")] = 1,
     seed: Annotated[int, typer.Option(min=0, help="Of everything random.")] = 1,
+    scalp_contact: Annotated[
+        bool, typer.Option(help="Let hair meet head and shoulders, and not pass through.")
+    ] = True,
     size: Annotated[int, typer.Option(help="Pixels of a picture's side, a multiple of 16.")] = 480,
     video: Annotated[bool, typer.Option(help="Also write videos.")] = True,
 ) -> None:
@@ -124,7 +128,9 @@ def demo(
                 model=model,
             )
             look = Look(kind.hair_color, tip_part=kind.tip_part, size=size)
-            positions = animate(client, scalp, generate, track, kind.points, substeps, name)
+            positions = animate(
+                client, scalp, generate, track, kind.points, substeps, name, scalp_contact
+            )
             stem = f"{head.stem if head else 'mannequin'}-{Path(motion).stem}-{name}"
             title = f"{name}, {100 * length:g} cm, {guides} guides, {Path(motion).stem}"
             draw(out_dir / stem, scalp, positions, track, title, look, video)
@@ -158,13 +164,19 @@ def animate(
     points: int,
     substeps: int,
     label: str,
+    scalp_contact: bool = False,
 ) -> np.ndarray:
     """Hair over the whole motion: (frames, guides, points, 3) float32, world [m].
 
     The server generates a groom for it, which is deleted at the end.
     """
     with waiting(f"{label}: the server makes the groom"):
-        groom = client.create_groom(scalp=scalp, generate=generate, display_name="mane.demo")
+        groom = client.create_groom(
+            scalp=scalp,
+            scalp_contact=ScalpContact(Material.SKIN) if scalp_contact else None,
+            generate=generate,
+            display_name="mane.demo",
+        )
     try:
         options = {"points_per_guide": points, "substeps": substeps}
         with client.open_head(groom, "lockstep", **options) as moving:

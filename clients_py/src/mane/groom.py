@@ -16,6 +16,7 @@ from mane.mesh import Mesh
 from mane.pose import IDENTITY, choice, vector
 
 if TYPE_CHECKING:
+    from mane.bodies import Body, BodySummary, ScalpContact
     from mane.strands import ImportSummary
 
 
@@ -64,6 +65,8 @@ class Guide:
       natural_twist, natural_curvature_1, natural_curvature_2: per element, root to tip [rad/m],
         within ±1e5: N numbers, or one for all. Component i turns about n_i.
       model: a `StrandModel` or its value.
+      wisp_radius_m: of the wisp of hair that the guide stands for, which other guides' wisps stay
+        out of, in [0, 0.1] [m]; 0 for none.
 
     The server checks the ranges; its error names the guide and the field.
     """
@@ -84,6 +87,7 @@ class Guide:
     natural_curvature_1: ArrayLike = 0.0
     natural_curvature_2: ArrayLike = 0.0
     model: StrandModel | str = StrandModel.SUPER_HELIX
+    wisp_radius_m: float = 0.0
 
     def __post_init__(self):
         object.__setattr__(self, "root_position", vector("root_position", self.root_position, 3))
@@ -153,6 +157,7 @@ class GuideGeneration:
         elements to reach it gets 20.
       model: a `StrandModel` or its value; None lets the server choose: WOUND for hair that turns at
         least five times, and more than N / 2 times.
+      wisp_radius_m: of all guides, as in `Guide`.
     """
 
     hair_type: HairType | str
@@ -164,6 +169,7 @@ class GuideGeneration:
     root_droop: float | None = None
     error_target: float | None = None
     model: StrandModel | str | None = None
+    wisp_radius_m: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,7 +188,10 @@ class Groom:
       etag: digest of the content: equal content, equal etag.
       has_scalp: whether it holds a scalp.
       import_summary: an `ImportSummary` for a groom made from strands, else None.
-      guides, scalp: the content; only `export_groom` fills them.
+      body_count: bodies that hair meets, the scalp not among them.
+      body_summaries: a `BodySummary` of each; `list_grooms` leaves them out.
+      scalp_contact: a `ScalpContact` where hair meets the scalp, with its numbers; else None.
+      guides, scalp, bodies: the content; only `export_groom` fills them.
     """
 
     name: str
@@ -198,6 +207,10 @@ class Groom:
     import_summary: ImportSummary | None = None
     guides: tuple[Guide, ...] = ()
     scalp: Mesh | Ellipsoid | None = None
+    body_count: int = 0
+    body_summaries: tuple[BodySummary, ...] = ()
+    scalp_contact: ScalpContact | None = None
+    bodies: tuple[Body, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

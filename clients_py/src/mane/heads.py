@@ -6,6 +6,7 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 
 import grpc
 
@@ -171,7 +172,8 @@ class LockstepHead(Head):
         return self.wait_for(self.send(pose))
 
     def teleport(self, pose: Pose) -> Frame:
-        """Moves head and hair together without dynamics, as in a cut."""
+        """Moves head and hair together without dynamics, as in a cut; bodies are where it says at
+        once."""
         return self.wait_for(self.send_teleport(pose))
 
     def play(self, motion: Motion | Iterable[Pose], in_flight: int = 8) -> Iterator[Frame]:
@@ -248,6 +250,7 @@ class RealtimeHead(Head):
         self._changed = threading.Condition()  # Guards what is below.
         self._selector = stream.FrameSelector(self._connection.opened.next_frame)
         self._resumptions = 0
+        self._bodies: dict[str, Pose] = {}  # Newest poses of all that were named.
         self._listener: Callable[[], None] = lambda: None
         self._thread = threading.Thread(target=self._run, name=self.name, daemon=True)
         self._thread.start()
@@ -259,11 +262,18 @@ class RealtimeHead(Head):
 
     def push(self, pose: Pose) -> None:
         """Tells where the head is at a moment of your clock, later than the last. Never blocks."""
-        self._send(Request(pose=messages.head_pose(pose)))
+        self._send(Request(pose=self._head_pose(pose)))
 
     def teleport(self, pose: Pose) -> None:
-        """Moves head and hair together without dynamics, as in a cut. Never blocks."""
-        self._send(Request(teleport=messages.head_pose(pose)))
+        """Moves head and hair together without dynamics, as in a cut; bodies are where it says at
+        once. Never blocks."""
+        self._send(Request(teleport=self._head_pose(pose)))
+
+    def _head_pose(self, pose: Pose) -> animation_pb2.HeadPose:
+        """With all bodies that were named so far: a pose on its way may be dropped for a newer."""
+        with self._changed:
+            self._bodies |= pose.bodies
+            return messages.head_pose(replace(pose, bodies=self._bodies))
 
     def set_environment(self, environment: Environment) -> None:
         with self._changed:

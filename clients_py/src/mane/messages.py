@@ -8,8 +8,9 @@ from dataclasses import fields, replace
 from datetime import UTC, datetime
 
 import numpy as np
-from numpy.typing import ArrayLike
 
+from mane import body_messages
+from mane.bodies import Body, ScalpContact
 from mane.errors import Internal
 from mane.groom import (
     Ellipsoid,
@@ -23,15 +24,19 @@ from mane.groom import (
 from mane.helix import Strands
 from mane.mesh import Mesh
 from mane.motion import Motion
-from mane.pose import IDENTITY, Environment, Pose, choice, vector
+from mane.pose import IDENTITY, Environment, Pose, choice
 from mane.strands import ImportSummary
-from mane.v1 import animation_pb2, bake_pb2, groom_pb2, types_pb2
-
-# Uploads travel in pieces of about this size, well under the server's limit of 1 MiB a message.
-PIECE_BYTES = 512 * 1024
-
-MESH_ARRAYS = {"vertices": "<f4", "triangles": "<u4", "hair_triangles": "<u4"}
-
+from mane.v1 import animation_pb2, bake_pb2, groom_pb2
+from mane.value_messages import (
+    MESH_ARRAYS,
+    PIECE_BYTES,
+    from_quaternion,
+    from_vector3,
+    mesh_pieces,
+    quaternion,
+    rigid,
+    vector3,
+)
 
 def request_id() -> str:
     """A fresh identifier that makes a retry of the same request safe."""
@@ -44,36 +49,9 @@ def resource_name(collection: str, resource) -> str:
     return name if name.startswith(f"{collection}/") else f"{collection}/{name}"
 
 
-def vector3(values: ArrayLike, name: str = "vector") -> types_pb2.Vector3:
-    x, y, z = vector(name, values, 3)
-    return types_pb2.Vector3(x=x, y=y, z=z)
-
-
-def quaternion(values: ArrayLike, name: str = "quaternion") -> types_pb2.Quaternion:
-    x, y, z, w = vector(name, values, 4)
-    return types_pb2.Quaternion(x=x, y=y, z=z, w=w)
-
-
-def from_vector3(message: types_pb2.Vector3) -> tuple[float, float, float]:
-    return message.x, message.y, message.z
-
-
-def from_quaternion(message: types_pb2.Quaternion) -> tuple[float, float, float, float]:
-    return message.x, message.y, message.z, message.w
-
-
-def rigid(pose: Pose) -> types_pb2.Pose:
-    return types_pb2.Pose(position=vector3(pose.position), orientation=quaternion(pose.orientation))
-
-
 def head_pose(pose: Pose) -> animation_pb2.HeadPose:
-    return animation_pb2.HeadPose(time_s=pose.time_s, pose=rigid(pose))
-
-
-def from_rigid(time_s: float, message: types_pb2.Pose) -> Pose:
-    turned = message.HasField("orientation")
-    orientation = from_quaternion(message.orientation) if turned else IDENTITY
-    return Pose(time_s, from_vector3(message.position), orientation)
+    bodies = body_messages.body_poses(pose.bodies)
+    return animation_pb2.HeadPose(time_s=pose.time_s, pose=rigid(pose), bodies=bodies)
 
 
 def environment(value: Environment) -> animation_pb2.Environment:
@@ -112,6 +90,7 @@ def guide(value: Guide) -> groom_pb2.Guide:
         natural_curvature_1=value.natural_curvature_1,
         natural_curvature_2=value.natural_curvature_2,
         model=strand_model(value.model),
+        wisp_radius_m=value.wisp_radius_m,
     )
 
 
@@ -134,6 +113,7 @@ def from_guide(message: groom_pb2.Guide) -> Guide:
         natural_curvature_1=message.natural_curvature_1 or (0.0,),
         natural_curvature_2=message.natural_curvature_2 or (0.0,),
         model=_MODELS.get(message.model, StrandModel.SUPER_HELIX),  # Unset is.
+        wisp_radius_m=message.wisp_radius_m,
     )
 
 
@@ -166,6 +146,7 @@ def generation(value: GuideGeneration) -> groom_pb2.GuideGeneration:
         root_droop=value.root_droop,
         error_target=value.error_target,
         model=strand_model(value.model),
+        wisp_radius_m=value.wisp_radius_m,
     )
 
 
@@ -189,18 +170,25 @@ def from_ellipsoid(message: groom_pb2.EllipsoidScalp) -> Ellipsoid:
 
 
 def create_header(
-    groom_id: str, display_name: str, generate: GuideGeneration | None
+    groom_id: str,
+    display_name: str,
+    generate: GuideGeneration | None,
+    contact: ScalpContact | None = None,
 ) -> groom_pb2.CreateGroomHeader:
     return groom_pb2.CreateGroomHeader(
         groom_id=groom_id,
         display_name=display_name,
         request_id=request_id(),
         generate=None if generate is None else generation(generate),
+        scalp_contact=None if contact is None else body_messages.scalp_contact(contact),
     )
 
 
 def create_groom(
-    header: groom_pb2.CreateGroomHeader, guides: Iterable[Guide], scalp: Mesh | Ellipsoid | None
+    header: groom_pb2.CreateGroomHeader,
+    guides: Iterable[Guide],
+    scalp: Mesh | Ellipsoid | None,
+    bodies: Iterable[Body] = (),
 ) -> Iterator[groom_pb2.CreateGroomRequest]:
     """The messages of one upload, each about `PIECE_BYTES` at most."""
     if isinstance(scalp, Ellipsoid):
@@ -209,18 +197,11 @@ def create_groom(
     if scalp is not None and not isinstance(scalp, Ellipsoid):
         for piece in mesh_pieces(scalp):
             yield groom_pb2.CreateGroomRequest(scalp_mesh=piece)
+    for body in body_messages.pieces(bodies):
+        yield groom_pb2.CreateGroomRequest(body=body)
     for batch in guide_batches(guides):
         yield groom_pb2.CreateGroomRequest(guides=batch)
     yield groom_pb2.CreateGroomRequest(commit=groom_pb2.CommitGroom())
-
-
-def mesh_pieces(mesh: Mesh) -> Iterator[groom_pb2.TriangleMesh]:
-    """Pieces of whole vertices and triangles, to be concatenated."""
-    for field, dtype in MESH_ARRAYS.items():
-        data = np.ascontiguousarray(getattr(mesh, field), dtype=dtype).tobytes()
-        step = PIECE_BYTES // 12 * 12
-        for begin in range(0, len(data), step):
-            yield groom_pb2.TriangleMesh(**{field: data[begin : begin + step]})
 
 
 def guide_batches(guides: Iterable[Guide]) -> Iterator[groom_pb2.GuideBatch]:
@@ -242,6 +223,7 @@ class ExportedGroom:
     def __init__(self):
         self._groom: groom_pb2.Groom | None = None
         self._guides: list[Guide] = []
+        self._bodies: list[groom_pb2.Body] = []
         self._ellipsoid: groom_pb2.EllipsoidScalp | None = None
         self._mesh = {field: bytearray() for field in MESH_ARRAYS}
 
@@ -251,6 +233,8 @@ class ExportedGroom:
                 self._groom = part.groom
             case "guides":
                 self._guides += map(from_guide, part.guides.guides)
+            case "body":
+                body_messages.join(self._bodies, part.body)
             case "ellipsoid":
                 self._ellipsoid = part.ellipsoid
             case "scalp_mesh":
@@ -259,9 +243,15 @@ class ExportedGroom:
 
     def groom(self) -> Groom:
         """The whole groom. Internal where the download is not complete."""
-        if self._groom is None or len(self._guides) != self._groom.guide_count:
+        counts = (len(self._guides), len(self._bodies))
+        if self._groom is None or counts != (self._groom.guide_count, self._groom.body_count):
             raise Internal("the server's export of the groom is not complete")
-        return replace(from_groom(self._groom), guides=tuple(self._guides), scalp=self._scalp())
+        return replace(
+            from_groom(self._groom),
+            guides=tuple(self._guides),
+            scalp=self._scalp(),
+            bodies=tuple(map(body_messages.from_body, self._bodies)),
+        )
 
     def _scalp(self) -> Mesh | Ellipsoid | None:
         if self._ellipsoid is not None:
@@ -281,6 +271,7 @@ class ExportedGroom:
 def from_groom(message: groom_pb2.Groom) -> Groom:
     preset = groom_pb2.HairType.Name(message.hair_type).removeprefix("HAIR_TYPE_").lower()
     imported = message.HasField("import_summary")
+    contact = message.scalp_contact if message.HasField("scalp_contact") else None
     return Groom(
         name=message.name,
         display_name=message.display_name,
@@ -293,6 +284,9 @@ def from_groom(message: groom_pb2.Groom) -> Groom:
         etag=message.etag,
         has_scalp=message.has_scalp,
         import_summary=from_import_summary(message.import_summary) if imported else None,
+        body_count=message.body_count,
+        body_summaries=tuple(map(body_messages.from_summary, message.bodies)),
+        scalp_contact=None if contact is None else body_messages.from_scalp_contact(contact),
     )
 
 
@@ -349,11 +343,18 @@ def bake(
 
 
 def track(motion: Motion) -> bake_pb2.PoseTrack:
-    return bake_pb2.PoseTrack(
-        times_s=motion.times_s.astype("<f8").tobytes(),
-        positions=motion.positions.astype("<f8").tobytes(),
-        orientations=motion.orientations.astype("<f8").tobytes(),
-    )
+    bodies = [
+        bake_pb2.BodyTrack(name=name, **_packed(moving)) for name, moving in motion.bodies.items()
+    ]
+    times = motion.times_s.astype("<f8").tobytes()
+    return bake_pb2.PoseTrack(times_s=times, bodies=bodies, **_packed(motion))
+
+
+def _packed(motion: Motion) -> dict[str, bytes]:
+    return {
+        "positions": motion.positions.astype("<f8").tobytes(),
+        "orientations": motion.orientations.astype("<f8").tobytes(),
+    }
 
 
 def utc(message, field: str) -> datetime | None:

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import csv
 import os
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -33,6 +33,8 @@ class Motion:
         where not given.
       orientations: rotations head -> world, quaternions (x, y, z, w), (k, 4) float64, of norm one;
         the identity where not given. Given norms within 1 % of one are normalised.
+      bodies: motions of the groom's moving bodies by name, body -> world, at the same times. Files
+        do not hold them.
 
     Raises InvalidArgument for shapes that do not fit, non-finite numbers, times that do not
     increase and quaternions that are not of norm one.
@@ -41,6 +43,7 @@ class Motion:
     times_s: ArrayLike
     positions: ArrayLike | None = None
     orientations: ArrayLike | None = None
+    bodies: Mapping[str, Motion] = field(default_factory=dict)
 
     def __post_init__(self):
         times = np.array(self.times_s, dtype=np.float64)
@@ -55,6 +58,12 @@ class Motion:
             raise InvalidArgument.of(
                 f"times_s[{k}]", f"is {times[k]}, must be greater than {times[k - 1]} before it"
             )
+        for name, motion in self.bodies.items():
+            if not np.array_equal(motion.times_s, times):
+                raise InvalidArgument.of(
+                    f"bodies[{name!r}].times_s", "must hold the same times as the head's"
+                )
+        object.__setattr__(self, "bodies", dict(self.bodies))
         object.__setattr__(self, "times_s", times)
         object.__setattr__(self, "positions", positions)
         object.__setattr__(self, "orientations", _normalised("orientations", orientations))
@@ -69,8 +78,11 @@ class Motion:
 
     def poses(self) -> Iterator[Pose]:
         """The poses in order."""
-        for row in zip(self.times_s, self.positions, self.orientations, strict=True):
-            yield Pose(*row)
+        for k, row in enumerate(zip(self.times_s, self.positions, self.orientations, strict=True)):
+            yield Pose(*row, bodies={name: body._pose(k) for name, body in self.bodies.items()})
+
+    def _pose(self, k: int) -> Pose:
+        return Pose(self.times_s[k], self.positions[k], self.orientations[k])
 
     def resampled(self, rate_hz: float) -> Motion:
         """The same motion at `rate_hz` poses a second (> 0), from the first pose on.
@@ -89,7 +101,8 @@ class Motion:
         inside = np.clip(times, self.times_s[0], self.times_s[-1])
         positions = [np.interp(inside, self.times_s, axis) for axis in self.positions.T]
         slerp = Slerp(self.times_s, Rotation.from_quat(self.orientations))
-        return Motion(times, np.stack(positions, axis=1), slerp(inside).as_quat())
+        bodies = {name: body.resampled(rate_hz) for name, body in self.bodies.items()}
+        return Motion(times, np.stack(positions, axis=1), slerp(inside).as_quat(), bodies)
 
     def shifted(
         self, time_s: float = 0.0, world: ArrayLike = (0, 0, 0), head: ArrayLike = (0, 0, 0)
@@ -98,13 +111,14 @@ class Motion:
 
         Args:
           time_s: added to every time [s].
-          world: added to every position, in world axes [m].
+          world: added to every position, in world axes [m]; to those of bodies, too.
           head: where the new head frame's origin lies in the old head frame [m]; for a track of
             the neck joint and a groom whose origin is the middle of the skull, say, (0, 0.1, 0).
         """
         rotated = Rotation.from_quat(self.orientations).apply(np.asarray(head, dtype=np.float64))
         positions = self.positions + np.asarray(world, dtype=np.float64) + rotated
-        return Motion(self.times_s + time_s, positions, self.orientations)
+        bodies = {name: body.shifted(time_s, world) for name, body in self.bodies.items()}
+        return Motion(self.times_s + time_s, positions, self.orientations, bodies)
 
     @staticmethod
     def load(path: str | os.PathLike) -> Motion:

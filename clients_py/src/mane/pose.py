@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,14 +22,19 @@ class Pose:
       position: origin of the head frame in world axes [m], (3,), each within ±1e6.
       orientation: rotation head -> world, quaternion (x, y, z, w), (4,). A norm within 1 % of one
         is normalised by the server; anything else is refused.
+      bodies: where moving bodies of the groom are at this time, by name: poses body -> world, whose
+        times are not used. One that is not named stays where it last was in the world; one that
+        never was moves along with the head.
     """
 
     time_s: float = 0.0
     position: ArrayLike = (0.0, 0.0, 0.0)
     orientation: ArrayLike = IDENTITY
+    bodies: Mapping[str, Pose] = field(default_factory=dict)
 
     def __post_init__(self):
         object.__setattr__(self, "time_s", float(self.time_s))
+        object.__setattr__(self, "bodies", dict(self.bodies))
         object.__setattr__(self, "position", vector("position", self.position, 3))
         object.__setattr__(self, "orientation", vector("orientation", self.orientation, 4))
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mane import messages
+from mane.bodies import Body
 from mane.errors import InvalidArgument
 from mane.groom import Ellipsoid, HairType
 from mane.mesh import Mesh
@@ -51,6 +52,7 @@ def options(value: ImportOptions) -> groom_pb2.ImportOptions:
         hold=value.hold,
         max_stiffness_factor=value.max_stiffness_factor,
         stability_margin=value.stability_margin,
+        wisp_radius_m=value.wisp_radius_m,
     )
 
 
@@ -59,13 +61,14 @@ def create_groom(
     strands: Iterable[Strand | ArrayLike],
     chosen: ImportOptions,
     scalp: Mesh | Ellipsoid | None,
+    bodies: Iterable[Body] = (),
 ) -> Iterator[groom_pb2.CreateGroomRequest]:
     """The messages of one upload of strands, each about `messages.PIECE_BYTES` at most.
 
     What this side refuses is refused here, before the first message is sent.
     """
     header.import_options.CopyFrom(options(chosen))
-    return _parts(header, [_strand_at(i, value) for i, value in enumerate(strands)], scalp)
+    return _parts(header, [_strand_at(i, value) for i, value in enumerate(strands)], scalp, bodies)
 
 
 def _strand_at(index: int, value: Strand | ArrayLike) -> Strand:
@@ -75,8 +78,10 @@ def _strand_at(index: int, value: Strand | ArrayLike) -> Strand:
         raise InvalidArgument.of(f"strands[{index}]", str(error)) from error
 
 
-def _parts(header, strands: list[Strand], scalp) -> Iterator[groom_pb2.CreateGroomRequest]:
-    *parts, commit = messages.create_groom(header, (), scalp)
+def _parts(
+    header, strands: list[Strand], scalp, bodies
+) -> Iterator[groom_pb2.CreateGroomRequest]:
+    *parts, commit = messages.create_groom(header, (), scalp, bodies)
     yield from parts
     for batch in _batches(strands):
         yield groom_pb2.CreateGroomRequest(strands=batch)
@@ -122,4 +127,5 @@ def _from_options(message: groom_pb2.ImportOptions) -> ImportOptions:
         hold=message.hold,
         max_stiffness_factor=message.max_stiffness_factor,
         stability_margin=message.stability_margin,
+        wisp_radius_m=message.wisp_radius_m,
     )

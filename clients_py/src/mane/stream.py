@@ -9,7 +9,7 @@ from collections import deque
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
-from mane import messages
+from mane import messages, value_messages
 from mane.frames import Diagnostics, Frame, FrameDecoder, FrameFormat, Space
 from mane.helix import Strands
 from mane.pose import Environment, Pose, choice
@@ -99,7 +99,7 @@ def open_head(
         diagnostics=diagnostics,
     )
     if initial_pose is not None:
-        message.initial_pose.CopyFrom(messages.rigid(initial_pose))
+        message.initial_pose.CopyFrom(value_messages.rigid(initial_pose))
     if environment is not None:
         message.environment.CopyFrom(messages.environment(environment))
     return message
@@ -125,7 +125,7 @@ def decoder_for(source, guide_count: int, strands: Strands | None) -> FrameDecod
 
 
 def from_hair_frame(message: animation_pb2.HairFrame, decoder: FrameDecoder) -> Frame:
-    pose = messages.from_rigid(message.time_s, message.head_pose)
+    pose = value_messages.from_rigid(message.time_s, message.head_pose)
     positions, angles = decoder.decode(message.data, pose)
     return Frame(
         index=message.index,

@@ -1,0 +1,70 @@
+#include "session/body_library.h"
+
+#include <fmt/format.h>
+
+#include <vector>
+
+namespace mane::session {
+namespace {
+
+bool HasBodies(const groom::Groom& groom) { return !groom.bodies.empty() || groom.scalp_friction; }
+
+}  // namespace
+
+bool BodyLibrary::Missing(const GroomPtr& groom) {
+  std::lock_guard lock(mutex_);
+  return HasBodies(*groom) && FindLocked(groom) == nullptr;
+}
+
+Result<BodyLibrary::BodiesPtr> BodyLibrary::FindOrMake(const GroomPtr& groom) {
+  if (!HasBodies(*groom)) return BodiesPtr();
+  {
+    std::lock_guard lock(mutex_);
+    if (BodiesPtr found = FindLocked(groom)) return found;
+  }
+  auto made = head::MakeBodies(*groom, &fields_, pool_);
+  if (!made) return made;
+  std::lock_guard lock(mutex_);
+  if (BodiesPtr found = FindLocked(groom)) return found;  // Another one was faster.
+  std::erase_if(bodies_, [](const auto& item) { return item.first.expired(); });
+  for (size_t bytes; (bytes = BytesLocked(*made)) > options_.max_used_bytes;) {
+    if (DropOneLocked()) continue;
+    return Error{ErrorCode::kResourceExhausted,
+                 fmt::format("with the meshes that this groom's hair meets, distance fields in use "
+                             "would take {} bytes; the server has {}: try again when other heads "
+                             "are closed, or another server",
+                             bytes, options_.max_used_bytes),
+                 ""};
+  }
+  bodies_[groom] = {*made, ++clock_};
+  return made;
+}
+
+BodyLibrary::BodiesPtr BodyLibrary::FindLocked(const GroomPtr& groom) {
+  const auto found = bodies_.find(groom);
+  if (found == bodies_.end()) return nullptr;
+  found->second.used = ++clock_;
+  return found->second.bodies;
+}
+
+size_t BodyLibrary::BytesLocked(const BodiesPtr& more) const {
+  std::vector<head::Bodies::Body> all = more->bodies;  // Shares the fields.
+  for (const auto& [groom, entry] : bodies_) {
+    all.insert(all.end(), entry.bodies->bodies.begin(), entry.bodies->bodies.end());
+  }
+  return head::FieldBytes(all);
+}
+
+bool BodyLibrary::DropOneLocked() {
+  auto oldest = bodies_.end();
+  for (auto item = bodies_.begin(); item != bodies_.end(); ++item) {
+    if (item->second.bodies.use_count() > 1)
+      continue;  // A copy is made only under mutex_, or of one.
+    if (oldest == bodies_.end() || item->second.used < oldest->second.used) oldest = item;
+  }
+  if (oldest == bodies_.end()) return false;
+  bodies_.erase(oldest);
+  return true;
+}
+
+}  // namespace mane::session

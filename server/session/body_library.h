@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+
+#include "base/result.h"
+#include "contact/field_cache.h"
+#include "exec/worker_pool.h"
+#include "groom/groom.h"
+#include "head/bodies.h"
+
+namespace mane::session {
+
+struct BodyLibraryOptions {
+  contact::FieldOptions field;
+  /// Of distance fields that are kept though nobody uses them [bytes].
+  size_t max_kept_bytes = size_t{1} << 30;
+  /// Of the fields of all bodies that are here [bytes]: those that no head uses make room, and a
+  /// groom whose fields still come on top is refused. One mesh in several grooms counts once.
+  size_t max_used_bytes = size_t{4} << 30;
+  int workers = 1;  ///< That build a field together, >= 1.
+};
+
+/// What the hair of grooms meets, ready for contact: made when a head first needs it, and kept
+/// while its groom is in memory, for all heads of that groom.
+///
+/// Threads: every method from any thread. `mutex_` guards what stands below it and is not held
+/// while fields are built and hair settles, which takes seconds; who asks for the same mesh
+/// meanwhile waits.
+class BodyLibrary {
+ public:
+  using GroomPtr = std::shared_ptr<const groom::Groom>;
+  using BodiesPtr = std::shared_ptr<const head::Bodies>;
+
+  explicit BodyLibrary(const BodyLibraryOptions& options)
+      : options_(options), fields_(options.field, options.max_kept_bytes, options.workers) {}
+
+  /// For those who should not make them on their own thread; makes one after the other.
+  [[nodiscard]] exec::WorkerPool& pool() { return pool_; }
+
+  /// Whether FindOrMake(groom) would have to make them.
+  [[nodiscard]] bool Missing(const GroomPtr& groom);
+
+  /// Bodies of `groom`, null where it has none. @return head::MakeBodies' errors;
+  ///   RESOURCE_EXHAUSTED naming nothing above max_used_bytes.
+  [[nodiscard]] Result<BodiesPtr> FindOrMake(const GroomPtr& groom);
+
+  /// head::MakeShapes: tries whether FindOrMake could make them; the fields are kept.
+  [[nodiscard]] Result<std::shared_ptr<head::Bodies>> MakeShapes(const groom::Groom& groom) {
+    return head::MakeShapes(groom, &fields_);
+  }
+
+ private:
+  using Key = std::weak_ptr<const groom::Groom>;
+
+  struct Entry {
+    BodiesPtr bodies;
+    uint64_t used = 0;  // When it was last asked for.
+  };
+
+  [[nodiscard]] BodiesPtr FindLocked(const GroomPtr& groom);
+  // Of the fields of all bodies that are here, and of `more`.
+  [[nodiscard]] size_t BytesLocked(const BodiesPtr& more) const;
+  // Drops the one used longest ago of those that no head uses; false where there is none.
+  bool DropOneLocked();
+
+  const BodyLibraryOptions options_;
+  contact::FieldCache fields_;
+
+  std::mutex mutex_;
+  std::map<Key, Entry, std::owner_less<Key>> bodies_;
+  uint64_t clock_ = 0;  // Counts what is asked for.
+
+  exec::WorkerPool pool_{1};  // Last: its tasks use the rest.
+};
+
+}  // namespace mane::session

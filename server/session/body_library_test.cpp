@@ -1,0 +1,86 @@
+// Bodies are made once while their groom is in memory; their fields stay within their bytes, and
+// those that no head uses make room.
+
+#include "session/body_library.h"
+
+#include <gtest/gtest.h>
+
+#include "session/test_heads.h"
+
+namespace mane::session {
+namespace {
+
+using head::FieldOf;
+
+// A tetrahedron of `size` as a body mesh.
+std::shared_ptr<const groom::Body::Mesh> Tetrahedron(float size) {
+  groom::Body::Mesh mesh{{{0, 0, 0}, {size, 0, 0}, {0, size, 0}, {0, 0, size}},
+                         {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
+  return std::make_shared<const groom::Body::Mesh>(std::move(mesh));
+}
+
+std::shared_ptr<const groom::Groom> GroomWith(std::shared_ptr<const groom::Body::Mesh> mesh) {
+  groom::Parts parts;
+  parts.guides = head::SampleGroom(2, 3)->guides;
+  parts.bodies = {{"prop", std::move(mesh), {}, false, {}}};
+  return *groom::Assemble(std::move(parts), {}, nullptr);
+}
+
+TEST(BodyLibraryTest, BodiesAreMadeOnceAndSettledAmong) {
+  BodyLibrary library({});
+  const auto groom = GroomWith(Tetrahedron(0.1f)), other = GroomWith(Tetrahedron(0.1f));
+  EXPECT_TRUE(library.Missing(groom));
+  const auto bodies = library.FindOrMake(groom);
+  ASSERT_TRUE(bodies);
+  EXPECT_FALSE(library.Missing(groom));
+  EXPECT_EQ(*library.FindOrMake(groom), *bodies);
+  EXPECT_TRUE(library.Missing(other));
+  const auto others = library.FindOrMake(other);
+  ASSERT_TRUE(others);
+  EXPECT_EQ(FieldOf((*others)->bodies[0]), FieldOf((*bodies)->bodies[0]));  // One mesh, one field.
+  ASSERT_NE(FieldOf((*bodies)->bodies[0]), nullptr);
+  EXPECT_FALSE((*bodies)->settled.empty());
+  EXPECT_TRUE((*library.MakeShapes(*groom))->settled.empty());
+}
+
+TEST(BodyLibraryTest, AGroomWhoseHairMeetsNothingHasNone) {
+  BodyLibrary library({});
+  const auto groom = head::SampleGroom(2, 3);
+  EXPECT_FALSE(library.Missing(groom));
+  EXPECT_EQ(*library.FindOrMake(groom), nullptr);
+}
+
+TEST(BodyLibraryTest, FieldsInUseAreLimited) {
+  BodyLibraryOptions options;
+  const auto small = GroomWith(Tetrahedron(0.1f)), large = GroomWith(Tetrahedron(0.15f));
+  {
+    BodyLibrary measure({});
+    const auto a = measure.FindOrMake(small), b = measure.FindOrMake(large);
+    options.max_used_bytes =
+        FieldOf((*a)->bodies[0])->bytes() + FieldOf((*b)->bodies[0])->bytes() - 1;
+  }
+  BodyLibrary library(options);
+  auto held = *library.FindOrMake(small);
+  const auto refused = library.FindOrMake(large);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kResourceExhausted);
+  EXPECT_FALSE(library.Missing(small));
+  held = nullptr;  // Its heads are closed.
+  EXPECT_TRUE(library.FindOrMake(large));
+  EXPECT_TRUE(library.Missing(small));
+}
+
+TEST(BodyLibraryTest, BadMeshesAreNamed) {
+  BodyLibrary library({});
+  auto open = *Tetrahedron(0.1f);
+  open.triangles.pop_back();  // The largest side of four: too large a hole.
+  const auto refused =
+      library.FindOrMake(GroomWith(std::make_shared<const groom::Body::Mesh>(std::move(open))));
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(refused.error().field, "bodies[0].mesh.triangles");
+  EXPECT_NE(refused.error().message.find("\"prop\""), std::string::npos);
+}
+
+}  // namespace
+}  // namespace mane::session
