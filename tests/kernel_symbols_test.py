@@ -12,7 +12,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
 MANED = os.environ.get("MANED", str(ROOT / "build" / "ci" / "server" / "app" / "maned"))
-OBJECTS = sorted((Path(MANED).parents[1] / "rod").rglob("batch_kernel_*.o"))
+OBJECTS = sorted(Path(MANED).parents[1].rglob("batch_kernel_*.o"))
 
 
 def shared_symbols(obj: Path) -> list[str]:
