@@ -84,9 +84,11 @@ groom::TriangleMesh HeadMesh() {
   return mesh;
 }
 
-std::shared_ptr<groom::Groom> Hair(int guides, int N, double length) {
+// Wisps of guides cover the scalp where `wisps`.
+std::shared_ptr<groom::Groom> Hair(groom::HairType type, int guides, int N, double length,
+                                   bool wisps = false) {
   groom::Generation generation;
-  generation.hair_type = groom::HairType::kCaucasianWavy;
+  generation.hair_type = type;
   generation.guide_count = static_cast<uint32_t>(guides);
   generation.length_m = length;
   generation.element_count = static_cast<uint32_t>(N);
@@ -98,6 +100,8 @@ std::shared_ptr<groom::Groom> Hair(int guides, int N, double length) {
   exec::WorkerPool pool(static_cast<int>(std::thread::hardware_concurrency()));
   auto groom = std::make_shared<groom::Groom>(**groom::Assemble(std::move(parts), kLimits, &pool));
   groom->scalp_friction = groom::Friction{};
+  for (groom::Guide& guide : groom->guides)
+    guide.wisp_radius = wisps ? 0.09 / std::sqrt(guides) : 0;
   groom::Body shoulders{
       "shoulders", groom::Body::Capsule{{-0.2, 0, 0}, {0.2, 0, 0}, 0.06}, {}, true, {}};
   shoulders.pose.p = {0, -0.16, 0};
@@ -144,32 +148,41 @@ std::shared_ptr<const head::Bodies> BodiesOf(const groom::Groom& groom) {
   return *head::MakeBodies(groom, &fields, pool);
 }
 
-int Main() {
-  std::map<int, double> over_rod;
-  for (const int N : {5, 10}) {
-    const auto groom = Hair(100, N, 0.25);
-    const auto bodies = BodiesOf(*groom);
-    const double kernel = Kernel(*groom, 1), bare = Step(*groom, nullptr, 1, 1);
-    over_rod[N] = (Step(*groom, bodies, 1, 2) - bare) / kernel;
-  }
-  // The slope of the time over the number of guides, both as logarithms.
+// What contact adds to a step of 100 guides on one core, over the kernel's own time.
+double OverRod(groom::HairType type, int N, bool wisps) {
+  const auto groom = Hair(type, 100, N, 0.25, wisps);
+  const double kernel = Kernel(*groom, 1), bare = Step(*groom, nullptr, 1, 1);
+  return (Step(*groom, BodiesOf(*groom), 1, 2) - bare) / kernel;
+}
+
+// The slope of a step's time over the number of guides, both as logarithms.
+double Exponent(bool wisps) {
   double x = 0, y = 0, xx = 0, xy = 0, n = 0;
   for (const int guides : {50, 150, 500, 1500, 5000}) {
-    const auto groom = Hair(guides, 10, 0.25);
+    const auto groom = Hair(groom::HairType::kAsianSmooth, guides, 10, 0.25, wisps);
     const double time = std::log(Step(*groom, BodiesOf(*groom), 1, 2)), count = std::log(guides);
     n += 1, x += count, y += time, xx += count * count, xy += count * time;
   }
-  const double exponent = (n * xy - x * y) / (n * xx - x * x);
-  const auto full = Hair(100'000, 5, 0.2);
+  return (n * xy - x * y) / (n * xx - x * x);
+}
+
+int Main() {
+  using groom::HairType;
+  const double bodies_smooth = OverRod(HairType::kAsianSmooth, 10, false),
+               bodies_wavy = OverRod(HairType::kCaucasianWavy, 10, false),
+               all = OverRod(HairType::kAsianSmooth, 10, true);
+  const double exponent = Exponent(true), bodies_exponent = Exponent(false);
+  const auto full = Hair(HairType::kAsianSmooth, 100'000, 5, 0.2);
   const int cores = static_cast<int>(std::thread::hardware_concurrency());
   const auto bodies = BodiesOf(*full);
   const double full_ms = 1e3 * Step(*full, bodies, cores, 4);
   const double bare_ms = 1e3 * Step(*full, nullptr, cores, 2);
   fmt::print(
-      "{{\"contact_over_rod\": {:.3g}, \"contact_over_rod_n5\": {:.3g}, "
-      "\"guides_50_to_5000_exponent\": {:.3g}, \"full_head_100k_ms\": {:.3g}, "
+      "{{\"contact_over_rod\": {:.3g}, \"bodies_over_rod\": {:.3g}, "
+      "\"bodies_over_rod_wavy\": {:.3g}, \"guides_50_to_5000_exponent\": {:.3g}, "
+      "\"bodies_exponent\": {:.3g}, \"full_head_100k_ms\": {:.3g}, "
       "\"full_head_100k_without_contact_ms\": {:.3g}, \"cores\": {}}}\n",
-      over_rod[10], over_rod[5], exponent, full_ms, bare_ms, cores);
+      all, bodies_smooth, bodies_wavy, exponent, bodies_exponent, full_ms, bare_ms, cores);
   return 0;
 }
 
