@@ -40,6 +40,18 @@ LAWS = {
         "N = 10: largest tip error / L, away from the border": (0, 0.01),
         "N = 20: largest tip error / L, away from the border": (0, 0.0025),
     },
+    "fabrics": {
+        "wool: friction over the cosine law's, largest error": (0, 0.02),
+        "wool: friction against the scales over that along them": (1.60, 1.66),
+        "silk: friction against the scales over that along them": (1.13, 1.17),
+        "largest error of a deflection": (0, 0.5),
+    },
+    "stick-slip": {
+        "mu = 0.1: angle at which it slides": (5.425, 5.997),
+        "mu = 0.4: angle at which it slides": (20.71, 22.89),
+        "mu = 1: angle at which it slides": (42.75, 47.25),
+        "fastest creep [m/s]": (0, 3e-5),
+    },
 }  # fmt: skip
 
 
@@ -50,7 +62,7 @@ def test_laws_hold(name, maned, client, tmp_path):
     assert found["holds"] and all(fact["holds"] for fact in found["facts"])
     for law, (low, high) in LAWS[name].items():
         assert low <= found["values"][law] <= high, law
-        assert law in said
+        assert law in said or law not in {fact["what"] for fact in found["facts"]}
     pictures = list(tmp_path.glob(f"{name}-*.png"))
     assert pictures
     for picture in pictures:

@@ -12,9 +12,10 @@ from scipy.special import jv
 
 from mane.experiments import kirchhoff, modes
 from mane.experiments.buckling import Shaken
+from mane.experiments.fabrics import TILT, Sample
 from mane.experiments.pendulum import damped_wave
 from mane.experiments.report import Report
-from mane.experiments.scene import UP, straight_hair
+from mane.experiments.scene import UP, slab, straight_hair
 
 
 def test_the_planar_rod_is_the_elastica_of_a_collocation_solver():
@@ -112,6 +113,27 @@ def test_a_damped_wave_is_fitted_exactly():
     times = np.linspace(0, 2, 200)
     wave = 3e-3 * np.exp(-0.7 * times) * np.cos(9 * times + 1) + 1e-4
     np.testing.assert_allclose(damped_wave(times, wave, 8.5), [0.7, 9, 3e-3], rtol=1e-6)
+
+
+@pytest.mark.parametrize("turn", np.radians((30, 90, 150)))
+def test_hair_on_a_fabric_points_along_weight_and_friction_together(turn):
+    sample = Sample("wool", turn, friction=0.5, anisotropy=0.4)
+    angle = sample.deflection()
+    hair = np.array([np.cos(angle), np.sin(angle)])  # Downhill, aside.
+    fabric = np.array([np.cos(turn), np.sin(turn)])
+    mu = 0.5 * (1 + 0.4 * (-fabric @ hair))
+    pull = np.array([np.sin(TILT), 0]) + mu * np.cos(TILT) * fabric
+    np.testing.assert_allclose(pull / np.linalg.norm(pull), hair, atol=1e-9)
+    assert sample.rubbed(angle) == pytest.approx(mu)
+    assert sample.law(np.pi - turn + angle) == pytest.approx(mu)
+
+
+def test_a_slab_is_a_closed_box_below_its_face():
+    box = slab("box", 0.5).shape
+    assert box.is_closed()
+    corners = box.vertices.astype(float)[box.triangles]
+    assert np.linalg.det(corners).sum() / 6 == pytest.approx(0.05 * 1.0**2)  # Its volume.
+    assert box.vertices[:, 0].max() == 0
 
 
 def test_a_report_tells_agreement_from_disagreement(tmp_path):

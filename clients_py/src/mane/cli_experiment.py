@@ -54,6 +54,19 @@ _HELP = {
     rho S g L^3 / EI alone decides: the master curve is that of the heavy elastica. Tips of N = 5,
     10 and 20 elements are compared with it.
     """,
+    "fabrics": """
+    Draw fabrics of several materials along under hair, with and against its scales.
+
+    On a slope hair is deflected by friction's part of its weight, from which the coefficient
+    follows: mu_0 (1 + alpha cos(angle between sliding and tangent)), as in section 4.2 of the
+    Super-Helix paper.
+    """,
+    "stick-slip": """
+    Tilt slabs with hair across them, and see at which angle it slides, for mu of 0.1 to 1.
+
+    That is Coulomb's angle of friction, atan(mu); below it hair stays where it is but for a creep
+    of micrometres a second.
+    """,
     "bend-twist": """
     See when a naturally curved strand in a horizontal clamp leaves its plane, and where it rests.
 
