@@ -61,6 +61,13 @@ _HELP = {
     follows: mu_0 (1 + alpha cos(angle between sliding and tangent)), as in section 4.2 of the
     Super-Helix paper.
     """,
+    "shoulders": """
+    Let somebody with long hair walk, and see how deep hair gets in head, torso and arms.
+
+    At most 1 mm while the body stands, 3 mm while it walks; five seconds after the last step no tip
+    is faster than 1 mm/s. Pictures show the walk. A body and a recorded walk of your own:
+    `--body body.obj --group body --unit 0.1 --motion walk.bvh`.
+    """,
     "stick-slip": """
     Tilt slabs with hair across them, and see at which angle it slides, for mu of 0.1 to 1.
 
@@ -93,19 +100,51 @@ def _command(name: str) -> Callable:
     def experiment(
         context: typer.Context, folder: _Folder = Path("."), quick: _Quick = False
     ) -> None:
-        from mane.experiments.report import Report  # Only here: solvers take a while to load.
-
-        report = Report(name, folder)
-        module = importlib.import_module(f"mane.experiments.{name.replace('-', '_')}")
-        with waiting(f"{name} on {context.obj.server}"):
-            module.run(context.obj, report, quick)
-        report.write()
-        _print(report)
-        if not report.holds:
-            err.print(f"{name}: measurement and theory disagree", style="red")
-            raise typer.Exit(1)
+        _run(name, context.obj, folder, quick)
 
     return experiment
+
+
+def _shoulders(
+    context: typer.Context,
+    folder: _Folder = Path("."),
+    quick: _Quick = False,
+    body: Annotated[
+        Path | None,
+        typer.Option(
+            exists=True,
+            dir_okay=False,
+            help="OBJ file of a body, Y up, face toward +Z, arms away from it; else the mannequin.",
+        ),
+    ] = None,
+    group: Annotated[
+        str | None, typer.Option(help="Group of the OBJ file that is the skin; else all of it.")
+    ] = None,
+    unit: Annotated[float, typer.Option(help="Length of the OBJ file's unit, metres.")] = 1.0,
+    motion: Annotated[
+        Path | None,
+        typer.Option(
+            exists=True, dir_okay=False, help="BVH file of a walk with CMU's joints; else a clip."
+        ),
+    ] = None,
+) -> None:
+    _run(
+        "shoulders", context.obj, folder, quick, body=body, group=group, unit_m=unit, motion=motion
+    )
+
+
+def _run(name: str, client, folder: Path, quick: bool, **options) -> None:
+    from mane.experiments.report import Report  # Only here: solvers take a while to load.
+
+    report = Report(name, folder)
+    module = importlib.import_module(f"mane.experiments.{name.replace('-', '_')}")
+    with waiting(f"{name} on {client.server}"):
+        module.run(client, report, quick, **options)
+    report.write()
+    _print(report)
+    if not report.holds:
+        err.print(f"{name}: measurement and theory disagree", style="red")
+        raise typer.Exit(1)
 
 
 def _print(report) -> None:
@@ -118,4 +157,5 @@ def _print(report) -> None:
 
 
 for _name, _text in _HELP.items():
-    app.command(_name, help=_text + _MORE.replace("{name}", _name))(_command(_name))
+    _function = _shoulders if _name == "shoulders" else _command(_name)
+    app.command(_name, help=_text + _MORE.replace("{name}", _name))(_function)
