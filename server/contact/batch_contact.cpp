@@ -14,8 +14,6 @@ using rod::Row;
 using rod::layout::kLanes;
 using Block = rod::Batch<float>::Block;
 
-// Solutions after the second, each of which stops what its own spring would pull (K6).
-constexpr int kCorrections = 2;
 constexpr double kPointSpacing = 0.015;  // [m]
 constexpr double kLargestBulge = 2e-3;   // Of curled hair between two points [m].
 constexpr int kMostPoints = 4;
@@ -90,6 +88,10 @@ void LookAgain(const BodyGroup& group, int points, int count, Row<float>* seen,
   }
 }
 
+Eigen::Vector3f At(const std::vector<Row<float>>& rows, int row, int lane) {
+  return {rows[row].lane[lane], rows[row + 1].lane[lane], rows[row + 2].lane[lane]};
+}
+
 }  // namespace
 
 GroupMotion MotionOf(const BodyMotion& group, const rod::ClampMotion& head) {
@@ -137,66 +139,131 @@ void Forget(std::span<Row<float>> memory) {
   for (Row<float>& row : memory) std::fill(row.lane, row.lane + kLanes, kNever);
 }
 
+BlockStep::BlockStep(const BatchContact& contact, const rod::Batch<float>& batch,
+                     const Block& block, int per_element,
+                     std::span<const Row<float>, rod::layout::kDriveRows> drive,
+                     std::span<Row<float>> memory, std::span<Row<float>> state,
+                     BatchContactScratch& scratch, bool watch_all)
+    : contact_(contact),
+      kernels_(contact.step.Of(block.kind)),
+      block_(block),
+      per_element_(per_element),
+      points_(block.elements * per_element),
+      drive_(drive),
+      memory_(memory),
+      state_(state.subspan(block.state, static_cast<size_t>(block.elements) *
+                                            rod::layout::StateRowsPerElement(block.kind))),
+      scratch_(scratch),
+      constants_(batch.constants(block)),
+      bytes_(scratch.step.Reserve(static_cast<size_t>(block.elements) *
+                                  kernels_.approach_per_element(per_element))) {
+  MANE_CHECK(memory.size() == MemoryRows(block, per_element, contact.groups.size()));
+  Reserve(block, per_element, &scratch);
+  if (watch_all) std::fill_n(scratch.watched.begin(), points_, 1);
+  const float dt = drive[rod::layout::kDuration].lane[0];
+  const BatchContactSettings& settings = contact.settings;
+  numbers_ = {
+      static_cast<float>(rod::kTheta) * dt,        dt,
+      static_cast<float>(settings.thickness),      static_cast<float>(settings.root_length),
+      static_cast<float>(settings.recovery_speed), static_cast<float>(settings.recovery_pull),
+      static_cast<float>(contact.surprise)};
+}
+
+MeetingBlock BlockStep::Meetings() {
+  return {block_.elements,
+          per_element_,
+          block_.kind == rod::layout::Kind::kWound,
+          constants_,
+          scratch_.points[0].lane,
+          scratch_.meetings[0].lane,
+          scratch_.loads[0].lane,
+          scratch_.loaded.data(),
+          scratch_.watched.data()};
+}
+
+void BlockStep::Begin() {
+  kernels_.approach(block_.elements, per_element_, constants_, drive_[0].lane, state_[0].lane,
+                    bytes_, scratch_.points[0].lane);
+  const float* const points = scratch_.points[0].lane;
+  for (size_t g = 0; g < contact_.groups.size(); ++g) {
+    Row<float>* const seen = memory_.data() + points_ + g * points_ * kSeenRows;
+    scratch_.any_stale.assign(points_, 0);
+    if (contact_.meetings.look(points_, points, contact_.motions[g], numbers_, seen->lane,
+                               scratch_.local[0].lane, scratch_.stale[0].lane,
+                               scratch_.any_stale.data())) {
+      LookAgain(*contact_.groups[g], points_, block_.count, seen, &scratch_);
+    }
+    contact_.meetings.meet(points_, points, contact_.motions[g], seen->lane, scratch_.local[0].lane,
+                           g == 0, scratch_.meetings[0].lane);
+  }
+  if (contact_.groups.empty()) {
+    constexpr Row<float> kNone{};
+    std::fill_n(scratch_.meetings.begin(), points_ * kMeetingRows, kNone);
+    for (int i = 0; i < points_; ++i) {
+      std::fill_n(scratch_.meetings[i * kMeetingRows + kDistance].lane, kLanes, 1e9F);
+    }
+  }
+  contact_.meetings.begin(Meetings(), numbers_, memory_[0].lane);
+}
+
+void BlockStep::Solve() {
+  kernels_.solve(block_.elements, per_element_, constants_, drive_[0].lane, state_[0].lane,
+                 scratch_.loads[0].lane, scratch_.loaded.data(), scratch_.watched.data(), bytes_,
+                 scratch_.next[0].lane, scratch_.velocities[0].lane, size_.lane);
+}
+
+bool BlockStep::Revise() {
+  return contact_.meetings.revise(Meetings(), scratch_.velocities[0].lane);
+}
+
+bool BlockStep::Finish() {
+  return contact_.meetings.finish(Meetings(), scratch_.velocities[0].lane, memory_[0].lane) &&
+         corrections_++ < kCorrections;
+}
+
+uint32_t BlockStep::Commit() {
+  std::copy_n(scratch_.next.begin(), state_.size(), state_.begin());
+  return rod::FailedLanes(size_);
+}
+
+Eigen::Vector3f BlockStep::Position(int point, int lane) const {
+  return At(scratch_.points, point * rod::layout::kPointRows + rod::layout::kPosition, lane);
+}
+Eigen::Vector3f BlockStep::LastVelocity(int point, int lane) const {
+  return At(scratch_.points, point * rod::layout::kPointRows + rod::layout::kLastVelocity, lane);
+}
+Eigen::Vector3f BlockStep::Velocity(int point, int lane) const {
+  return At(scratch_.velocities, 3 * point, lane);
+}
+
+float BlockStep::Mass(int point, int lane) const {
+  const int rows = block_.kind == rod::layout::Kind::kWound
+                       ? int{rod::layout::kConstantsPerWoundElement}
+                       : int{rod::layout::kConstantsPerElement};
+  const int length =
+      rod::layout::kFirstElement + point / per_element_ * rows + rod::layout::kLength;
+  return constants_[rod::layout::kUnitMass * kLanes + lane] * constants_[length * kLanes + lane] /
+         static_cast<float>(per_element_);
+}
+
+void BlockStep::SetImpulse(int point, int lane, const Eigen::Vector3f& impulse) {
+  const float unit = constants_[rod::layout::kUnitMass * kLanes + lane];
+  Row<float>* const rows = &scratch_.loads[point * rod::layout::kLoadRows + rod::layout::kImpulse];
+  for (int i = 0; i < 3; ++i) rows[i].lane[lane] = impulse[i] / unit;
+  scratch_.loaded[point] = 1;
+}
+
 uint32_t StepBlockAmong(const BatchContact& contact, const rod::Batch<float>& batch,
                         const Block& block, int per_element,
                         std::span<const Row<float>, rod::layout::kDriveRows> drive,
                         std::span<Row<float>> memory, std::span<Row<float>> state,
                         BatchContactScratch& scratch) {
-  const int N = block.elements, points = N * per_element;
-  MANE_CHECK(memory.size() == MemoryRows(block, per_element, contact.groups.size()));
-  Reserve(block, per_element, &scratch);
-  const auto& step = contact.step.Of(block.kind);
-  const MeetingKernels& meetings = contact.meetings;
-  const float* const constants = batch.constants(block);
-  float* const now = state[block.state].lane;
-  void* const bytes =
-      scratch.step.Reserve(static_cast<size_t>(N) * step.approach_per_element(per_element));
-  step.approach(N, per_element, constants, drive[0].lane, now, bytes, scratch.points[0].lane);
-
-  const float dt = drive[rod::layout::kDuration].lane[0];
-  const BatchContactSettings& settings = contact.settings;
-  const MeetingNumbers numbers{
-      static_cast<float>(rod::kTheta) * dt,        dt,
-      static_cast<float>(settings.thickness),      static_cast<float>(settings.root_length),
-      static_cast<float>(settings.recovery_speed), static_cast<float>(settings.recovery_pull),
-      static_cast<float>(contact.surprise)};
-  Row<float>* const pressed = memory.data();
-  for (size_t g = 0; g < contact.groups.size(); ++g) {
-    Row<float>* const seen = pressed + points + g * points * kSeenRows;
-    scratch.any_stale.assign(points, 0);
-    if (meetings.look(points, scratch.points[0].lane, contact.motions[g], numbers, seen->lane,
-                      scratch.local[0].lane, scratch.stale[0].lane, scratch.any_stale.data())) {
-      LookAgain(*contact.groups[g], points, block.count, seen, &scratch);
-    }
-    meetings.meet(points, scratch.points[0].lane, contact.motions[g], seen->lane,
-                  scratch.local[0].lane, g == 0, scratch.meetings[0].lane);
-  }
-
-  const MeetingBlock meeting{N,
-                             per_element,
-                             block.kind == rod::layout::Kind::kWound,
-                             constants,
-                             scratch.points[0].lane,
-                             scratch.meetings[0].lane,
-                             scratch.loads[0].lane,
-                             scratch.loaded.data(),
-                             scratch.watched.data()};
-  Row<float> size;
-  const auto solve = [&] {
-    step.solve(N, per_element, constants, drive[0].lane, now, scratch.loads[0].lane,
-               scratch.loaded.data(), scratch.watched.data(), bytes, scratch.next[0].lane,
-               scratch.velocities[0].lane, size.lane);
-  };
-  meetings.begin(meeting, numbers, pressed->lane);
-  solve();
-  if (meetings.revise(meeting, scratch.velocities[0].lane)) solve();
-  for (int i = 0; meetings.finish(meeting, scratch.velocities[0].lane, pressed->lane); ++i) {
-    if (i == kCorrections) break;
-    solve();
-  }
-  const size_t rows = static_cast<size_t>(N) * rod::layout::StateRowsPerElement(block.kind);
-  std::copy_n(scratch.next.begin(), rows, state.begin() + block.state);
-  return rod::FailedLanes(size);
+  BlockStep step(contact, batch, block, per_element, drive, memory, state, scratch);
+  step.Begin();
+  step.Solve();
+  if (step.Revise()) step.Solve();
+  while (step.Finish()) step.Solve();
+  return step.Commit();
 }
 
 }  // namespace mane::contact

@@ -57,15 +57,70 @@ struct BatchContactScratch {
 struct BatchContact {
   const rod::KernelTable<float>& step;
   const MeetingKernels& meetings;
-  std::span<const BodyGroup* const> groups;  ///< At least one.
-  std::span<const GroupMotion> motions;      ///< Of each group.
+  std::span<const BodyGroup* const> groups;
+  std::span<const GroupMotion> motions;  ///< Of each group.
   BatchContactSettings settings;
   double surprise = 0;  ///< How far strands may move besides what they did in the last step [m].
 };
 
-/// Advances one block by one step, as rod::StepBlock does, among bodies (contact.md, K1 to K8).
+/// One step of one block among bodies, in stages (contact.md, K1 to K8): Begin; Solve; Revise;
+/// Solve; Finish, and Solve again while it asks for that; Commit. Between them the velocities of
+/// all points may be read, and impulses set that others give.
+class BlockStep {
+ public:
+  /// All references must outlive it.
+  ///
+  /// @param memory  of this block, (MemoryRows). @param watch_all  whether the velocities of points
+  ///   far from bodies are wanted, too.
+  BlockStep(const BatchContact& contact, const rod::Batch<float>& batch,
+            const rod::Batch<float>::Block& block, int per_element,
+            std::span<const rod::Row<float>, rod::layout::kDriveRows> drive,
+            std::span<rod::Row<float>> memory, std::span<rod::Row<float>> state,
+            BatchContactScratch& scratch, bool watch_all = false);
+
+  /// Where the strands are, what they meet, and the loads of the first solution.
+  void Begin();
+  void Solve();
+  /// Loads of the second. @return whether any differ.
+  [[nodiscard]] bool Revise();
+  /// @return whether to solve again; at most kCorrections times.
+  [[nodiscard]] bool Finish();
+  /// Takes over the new state. @return as rod::StepBlock.
+  [[nodiscard]] uint32_t Commit();
+
+  [[nodiscard]] int points() const { return points_; }
+  /// Of a point, where Begin found it [m], from the head's place at kTheta of the way; what led
+  /// there, and what it does in the last solution [m/s], world.
+  [[nodiscard]] Eigen::Vector3f Position(int point, int lane) const;
+  [[nodiscard]] Eigen::Vector3f LastVelocity(int point, int lane) const;
+  [[nodiscard]] Eigen::Vector3f Velocity(int point, int lane) const;
+  /// Mass that it stands for [kg].
+  [[nodiscard]] float Mass(int point, int lane) const;
+  /// Sets what others push it with in the next solution [kg m/s].
+  void SetImpulse(int point, int lane, const Eigen::Vector3f& impulse);
+
+  /// Solutions after the second, each of which stops what its own spring would pull (K6).
+  static constexpr int kCorrections = 2;
+
+ private:
+  [[nodiscard]] MeetingBlock Meetings();
+
+  const BatchContact& contact_;
+  const rod::KindKernels<float>& kernels_;
+  const rod::Batch<float>::Block& block_;
+  const int per_element_, points_;
+  std::span<const rod::Row<float>, rod::layout::kDriveRows> drive_;
+  const std::span<rod::Row<float>> memory_, state_;
+  BatchContactScratch& scratch_;
+  const float* const constants_;
+  void* const bytes_;
+  MeetingNumbers numbers_;
+  rod::Row<float> size_;
+  int corrections_ = 0;
+};
+
+/// All stages of BlockStep, without impulses of others.
 ///
-/// @param memory  of this block, (MemoryRows).
 /// @return as rod::StepBlock.
 [[nodiscard]] uint32_t StepBlockAmong(
     const BatchContact& contact, const rod::Batch<float>& batch,

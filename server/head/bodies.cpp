@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "head/settle.h"
+#include "head/wisps.h"
 
 namespace mane::head {
 namespace {
@@ -119,7 +120,10 @@ Result<std::shared_ptr<const Bodies>> MakeBodies(const groom::Groom& groom,
                                                  exec::WorkerPool& pool) {
   auto made = MakeShapes(groom, fields);
   if (!made) return made.error();
-  if (*made != nullptr) (*made)->settled = Settle(groom, *made, pool);
+  if (*made == nullptr && !HasWisps(groom)) return std::shared_ptr<const Bodies>();
+  if (*made == nullptr) *made = std::make_shared<Bodies>();
+  (*made)->settled = Settle(groom, *made, pool);
+  if (HasWisps(groom)) (*made)->wisps = MakeWisps(groom, **made, pool);
   return std::shared_ptr<const Bodies>(*std::move(made));
 }
 

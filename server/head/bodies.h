@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -14,6 +16,16 @@
 #include "math/rigid.h"
 
 namespace mane::head {
+
+/// The wisps that guides stand for, with the points at which they meet (contact/wisp_points.h):
+/// those of BlockStep, guide after guide.
+struct Wisps {
+  std::vector<int32_t> first;            ///< (guides + 1)
+  std::vector<float> radius, curliness;  ///< (guides)
+  std::vector<float> mass;               ///< (points)
+  std::vector<float> x, y, z;            ///< Where points are at rest, head's frame (points) [m].
+  std::vector<float> density;            ///< Of hair around them at rest (points) [kg/m^3].
+};
 
 /// What the hair of a groom meets, ready for contact. Immutable; shared by all heads of the groom.
 struct Bodies {
@@ -34,6 +46,7 @@ struct Bodies {
   std::vector<Group> groups;
   /// The groom's rest shape among the bodies, on an upright head, as HeadState::guides.
   std::vector<rod::Row<float>> settled;
+  std::optional<Wisps> wisps;  ///< Where any guide has one.
 };
 
 /// Distance fields of one groom's bodies together [bytes].

@@ -10,11 +10,6 @@
 namespace mane::head {
 namespace {
 
-const contact::MeetingKernels& Meetings() {
-  static const contact::MeetingKernels& kernels = contact::MeetingKernelsFor(simd::Best());
-  return kernels;
-}
-
 std::span<rod::Row<float>> MemoryOf(int block, Contact* contact) {
   return std::span(contact->memory)
       .subspan(contact->blocks[block].first, contact->blocks[block].rows);
@@ -37,7 +32,7 @@ Eigen::Vector3d SpinOf(const rod::ClampMotion& head) {
 void StartContact(const groom::Groom& groom, std::shared_ptr<const Bodies> bodies,
                   HeadState* state) {
   Contact& contact = state->contact;
-  contact = {};
+  contact = Contact();
   contact.bodies = std::move(bodies);
   if (contact.bodies == nullptr) return;
   contact.moving = BodiesAtRest(*contact.bodies, state->pose);

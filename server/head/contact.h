@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "contact/batch_contact.h"
+#include "contact/wisp_pairs.h"
 #include "head/bodies.h"
 #include "math/rigid.h"
 #include "rod/batch.h"
@@ -27,6 +28,7 @@ struct Contact {
   Eigen::Vector3d spin = Eigen::Vector3d::Zero();      ///< [rad/s]
   std::vector<Block> blocks;
   std::vector<rod::Row<float>> memory;
+  contact::WispTracker wisps;  ///< Where the wisps of guides touch each other.
 };
 
 struct HeadState;

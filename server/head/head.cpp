@@ -8,6 +8,7 @@
 
 #include "base/check.h"
 #include "head/kernels.h"
+#include "head/wisps.h"
 #include "rod/scheme.h"
 
 namespace mane::head {
@@ -118,6 +119,42 @@ uint32_t StepAtLevel(const groom::Groom& groom, int i, const StepDrive& drive, c
   return rod::StepBlock<float>(Kernels(), batch, block, rows, moving, scratch);
 }
 
+// Puts the strands of block `i` to rest that failed in a step. Returns how many.
+int Repair(const groom::Groom& groom, int i, uint32_t failed, HeadState* state) {
+  const rod::Batch<float>::Block& block = groom.batch.blocks()[i];
+  int repaired = 0;
+  for (int lane = 0; failed != 0 && lane < block.count; ++lane) {
+    if ((failed >> lane & 1) == 0) continue;
+    PutToRest(groom, block.strands[lane], state);
+    if (LevelOf(*state, i) > 0) RestLane(groom, i, lane, &state->detail);
+    ++repaired;
+  }
+  return repaired;
+}
+
+// One step of a head whose wisps meet. Returns how many strands had to be put to rest.
+int AdvanceAmongWisps(const groom::Groom& groom, const StepDrive& drive, const WindField& wind,
+                      HeadState* state, exec::WorkerPool& pool) {
+  thread_local std::vector<Drive> own_drives;
+  thread_local std::vector<uint32_t> own_failed;
+  std::vector<Drive>& drives = own_drives;
+  const int blocks = static_cast<int>(groom.batch.blocks().size());
+  drives.assign(wind.turbulent() ? blocks : 1, drive.rows);
+  if (wind.turbulent()) {
+    pool.ParallelFor(blocks, kBlocksPerPiece, [&](int first, int last) {
+      for (int i = first; i < last; ++i) {
+        SetEddies(groom, groom.batch.blocks()[i], drive, wind, &drives[i]);
+      }
+    });
+  }
+  const double dt = drive.rows[rod::layout::kDuration].lane[0];
+  StepAmongWisps(groom, {drives, drive.bodies, drive.surprise, dt}, state->guides, &state->contact,
+                 pool, &own_failed);
+  int repaired = 0;
+  for (int i = 0; i < blocks; ++i) repaired += Repair(groom, i, own_failed[i], state);
+  return repaired;
+}
+
 // All given steps of block `i`. Returns how many strands had to be put to rest.
 int AdvanceBlock(const groom::Groom& groom, int i, std::span<const StepDrive> drives,
                  const WindField& wind, HeadState* state) {
@@ -129,14 +166,9 @@ int AdvanceBlock(const groom::Groom& groom, int i, std::span<const StepDrive> dr
       windy = drive.rows;
       SetEddies(groom, block, drive, wind, &windy);
     }
-    const uint32_t failed =
-        StepAtLevel(groom, i, drive, wind.turbulent() ? windy : drive.rows, state);
-    for (int lane = 0; failed != 0 && lane < block.count; ++lane) {
-      if ((failed >> lane & 1) == 0) continue;
-      PutToRest(groom, block.strands[lane], state);
-      if (LevelOf(*state, i) > 0) RestLane(groom, i, lane, &state->detail);
-      ++repaired;
-    }
+    repaired +=
+        Repair(groom, i, StepAtLevel(groom, i, drive, wind.turbulent() ? windy : drive.rows, state),
+               state);
   }
   return repaired;
 }
@@ -162,6 +194,7 @@ void Reset(const groom::Groom& groom, HeadState* state) {
   if (state->contact.bodies != nullptr) {
     state->guides = state->contact.bodies->settled;
     contact::Forget(state->contact.memory);
+    state->contact.wisps.Clear();
     return;
   }
   for (int guide = 0; guide < groom.guide_count(); ++guide) PutToRest(groom, guide, state);
@@ -216,7 +249,9 @@ StepReport Advance(const groom::Groom& groom, const Movement& movement,
   if ((movement.target.p - state->pose.p).norm() > kFastestHead * movement.duration) {
     Teleport(groom, movement.target, state);
   }
-  const bool detail = environment.detail_tolerance > 0 && state->detail.levels;
+  const bool wisps = state->contact.bodies != nullptr && state->contact.bodies->wisps;
+  // Wisps meet at points that a level of detail would change.
+  const bool detail = environment.detail_tolerance > 0 && state->detail.levels && !wisps;
   if (!detail) StopDetail(groom, state);
   thread_local std::vector<StepDrive> own_drives;
   std::vector<StepDrive>& drives = own_drives;
@@ -233,6 +268,12 @@ StepReport Advance(const groom::Groom& groom, const Movement& movement,
     const int end = std::min(steps, begin + kStepsAtOnce);
     SetDrives(*state, movement, steps, begin, end, environment, wind, &drives);
     const std::span<const StepDrive> now = std::span(drives).first(end - begin);
+    if (wisps) {
+      for (const StepDrive& drive : now) {
+        repaired += AdvanceAmongWisps(groom, drive, wind, state, pool);
+      }
+      continue;
+    }
     pool.ParallelFor(blocks, kBlocksPerPiece, [&](int first, int last) {
       for (int i = first; i < last; ++i) {
         repaired += AdvanceBlock(groom, i, now, wind, state);

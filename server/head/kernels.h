@@ -1,5 +1,6 @@
 #pragma once
 
+#include "contact/meeting_kernels.h"
 #include "rod/kernels.h"
 #include "simd/isa.h"
 
@@ -8,6 +9,12 @@ namespace mane::head {
 /// The kernels that this machine runs fastest, or MANE_ISA asks for.
 [[nodiscard]] inline const rod::KernelTable<float>& Kernels() {
   static const rod::KernelTable<float>& kernels = rod::KernelsFor<float>(simd::Best());
+  return kernels;
+}
+
+/// Likewise those of contact.
+[[nodiscard]] inline const contact::MeetingKernels& Meetings() {
+  static const contact::MeetingKernels& kernels = contact::MeetingKernelsFor(simd::Best());
   return kernels;
 }
 

@@ -27,6 +27,7 @@ double DragScale(const groom::Groom& groom) {
 std::vector<rod::Row<float>> Settle(const groom::Groom& groom, std::shared_ptr<const Bodies> bodies,
                                     exec::WorkerPool& pool) {
   HeadState state = AtRest(groom, {});
+  if (bodies->bodies.empty()) return std::move(state.guides);
   StartContact(groom, std::move(bodies), &state);
   Environment air;
   air.air_drag_scale = DragScale(groom);

@@ -120,6 +120,7 @@ void Batch<T>::SetConstants(const Block& block, int lane, const RootedStrand& ro
   SetRows(rooted.root.p, lane, lane + 1, rows + layout::kRootPosition);
   set(l0, rows + layout::kUnit);
   set(1 / l0, rows + layout::kInverseUnit);
+  set(strand.linear_density * l0, rows + layout::kUnitMass);
   set(strand.air_drag / strand.linear_density, rows + layout::kDrag);
   set(strand.internal_friction * StiffnessUnit(strand), rows + layout::kFriction);
   if (rooted.wound != nullptr) {

@@ -21,6 +21,7 @@ enum Constant : int {
   kFriction,                           ///< gamma / (rho S l0^4) [1/s].
   kStiffness,                          ///< (EI)_i / (rho S l0^4) [1/s^2] (3).
   kRotaryInertia = kStiffness + 3,     ///< mu of plain strands (S12).
+  kUnitMass,                           ///< rho S l0 [kg].
   kFirstElement,                       ///< Then each element:
   kLength = 0,                         ///< l_Q / l0.
   kInverseLength,                      ///< l0 / l_Q.
@@ -97,9 +98,10 @@ enum Load : int {
   kPress = kNormal + 3,  ///< Along n; >= 0.
   kHold,                 ///< Across n; >= 0.
   kPush,                 ///< p [m/s] (3).
+  kImpulse = kPush + 3,  ///< What others add to p [m/s] (3).
   kSurfaceSpeed =
-      kPush + 3,  ///< Along n, which no element leaves faster where press > 0 (S14) [m/s].
-  kLoadRows       ///< Rows in all.
+      kImpulse + 3,  ///< Along n, which no element leaves faster where press > 0 (S14) [m/s].
+  kLoadRows          ///< Rows in all.
 };
 
 /// Kinds of strand that a block holds; all of one kind.

@@ -67,7 +67,9 @@ class Solver {
     loaded_[point] = 1;
     for (int i = 0; i < 3; ++i) {
       rows[layout::kNormal + i].lane[lane] = static_cast<T>(load.normal[i]);
-      rows[layout::kPush + i].lane[lane] = static_cast<T>(load.push[i] / unit);
+      // In two parts.
+      rows[layout::kPush + i].lane[lane] = static_cast<T>(0.25 * load.push[i] / unit);
+      rows[layout::kImpulse + i].lane[lane] = static_cast<T>(0.75 * load.push[i] / unit);
     }
     rows[layout::kPress].lane[lane] = static_cast<T>(load.press / unit);
     rows[layout::kHold].lane[lane] = static_cast<T>(load.hold / unit);

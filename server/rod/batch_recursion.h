@@ -113,7 +113,7 @@ struct Recursion : StumpffOf<T, W> {
         : normal(Rows(rows, layout::kNormal)),
           hold(Row(rows, layout::kHold)),
           rest(Row(rows, layout::kPress) - hold),
-          push(inverse_unit * Rows(rows, layout::kPush)),
+          push(inverse_unit * (Rows(rows, layout::kPush) + Rows(rows, layout::kImpulse))),
           press(Row(rows, layout::kPress)),
           surface_speed(inverse_unit * Row(rows, layout::kSurfaceSpeed)) {}
 
