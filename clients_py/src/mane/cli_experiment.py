@@ -64,8 +64,8 @@ _HELP = {
     "shoulders": """
     Let somebody with long hair walk, and see how deep hair gets in head, torso and arms.
 
-    At most 1 mm while the body stands, 3 mm while it walks; five seconds after the last step no tip
-    is faster than 1 mm/s. Pictures show the walk. A body and a recorded walk of your own:
+    At most 1 mm while the body stands, 3 mm while it walks; hair that has stood for five seconds
+    has no tip faster than 1 mm/s. Pictures show the walk. A body and a recorded walk of your own:
     `--body body.obj --group body --unit 0.1 --motion walk.bvh`.
     """,
     "stick-slip": """
@@ -79,6 +79,17 @@ _HELP = {
 
     Gravito-bending number and natural angle decide. The border, and tips of N = 5, 10 and 20
     elements, are compared with converged equilibria of a Kirchhoff rod.
+    """,
+    "wisps-collide": """
+    Let a wisp swing into another, and stiff hair catch hair that a head leaves behind.
+
+    The sum of their momenta goes on as if they did not meet; they are pressed together, but none
+    passes through the other at up to 4 m/s.
+    """,
+    "cohesion": """
+    Shake a clump of three guides, straight, wavy and curly, with wisps and without.
+
+    Wisps that rub and hold each other leave tips at most 0.7 of the spread that they have without.
     """,
 }
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mane.bodies import Body
+from mane.bodies import Body, CapsuleBody
 from mane.client import Client
 from mane.groom import Groom, Guide, frame_along
 from mane.mesh import Mesh
@@ -67,6 +67,12 @@ def rest(client: Client, guides: Sequence[Guide], points: int = 101) -> np.ndarr
     """Rest shapes, (guide, point, 3) [m]."""
     with kept(client, guides) as groom:
         return client.rest_shape(groom, points_per_guide=points).positions
+
+
+def far_body() -> Body:
+    """One that hair never meets: today servers let wisps meet in grooms with bodies only."""
+    place = (0.0, -50.0, 0.0)
+    return Body("far", CapsuleBody(place, place, 0.1))
 
 
 def slab(name: str, half_width_m: float, **of_body) -> Body:

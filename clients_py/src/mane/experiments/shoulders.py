@@ -11,10 +11,11 @@ from scipy.spatial.transform import Rotation
 from mane.bodies import Body, Material, ScalpContact
 from mane.client import Client
 from mane.demo import KINDS, RATE_HZ, Hair, Kind
-from mane.experiments.depth import Solid
+from mane.experiments.depth import REACH_M, Solid
 from mane.experiments.report import Report
 from mane.experiments.scene import kept
 from mane.experiments.walker import Walker, walker
+from mane.frames import Frame
 from mane.groom import GuideGeneration
 from mane.motion import Motion
 from mane.painter import Look
@@ -24,15 +25,17 @@ from mane.pose import Pose
 LENGTHS_M = (0.3, 0.45)
 HAIRS = (Hair.SMOOTH, Hair.WAVY)
 SEED = 1
-POINTS = 96  # So near each other that what cuts a corner between points that meet bodies shows.
-BEFORE_S = 2.0
-AFTER_S = 6.0
-REST_S = 5.0
-"""How long after the last step tips are watched, for the time that is left."""
-EVERY = 2
+POINTS = 64  # So near each other that what cuts a corner between points that meet bodies shows.
+BEFORE_S = 1.0
+AFTER_S = 5.0
+STANDS_S = 6.0
+"""Without walking, as long as that; in the last second tips are watched."""
+EVERY = 3
 """Of so many frames one is searched for points that are deep."""
 ROOT_M = 6e-3
 """Hair leaves the skin up to here."""
+EDGE_M = 0.03
+"""So near the edges where a body is cut off at the waist nothing is measured."""
 STANDING_M, WALKING_M = 1e-3, 3e-3
 """How deep hair may get."""
 RESTING_M_S = 1e-3
@@ -40,10 +43,18 @@ RESTING_M_S = 1e-3
 
 @dataclass(frozen=True)
 class Played:
-    """What came back. positions: (frame, guide, point, 3) world [m]; step_ms: (frame,)."""
+    """What came back. positions: (frame, guide, point, 3) world [m]; step_ms: (frame,). motion: of
+    the head and all bodies. limits: how deep hair may be, (frame,) [m]."""
 
     positions: np.ndarray
     step_ms: np.ndarray
+    motion: Motion
+    limits: np.ndarray
+
+    @staticmethod
+    def of(frames: list[Frame], motion: Motion, limits: np.ndarray) -> Played:
+        steps = np.array([frame.step_ms for frame in frames])
+        return Played(np.stack([frame.positions for frame in frames]), steps, motion, limits)
 
 
 def run(
@@ -63,9 +74,10 @@ def run(
     for hair in HAIRS[1:] if quick else HAIRS:
         for length_m in LENGTHS_M[1:] if quick else LENGTHS_M:
             name = f"{hair} {100 * length_m:g} cm"
-            played = animate(client, figure, KINDS[hair], length_m, guides)
-            deepest[name] = depths(report, name, figure, solids, played, length_m)
-            speeds[name] = resting(report, name, figure, played)
+            played, stood = animate(client, figure, KINDS[hair], length_m, guides)
+            for what, each in (("stands", stood), ("walks", played)):
+                deepest[name] = depths(report, f"{name}, {what}", solids, each, length_m)
+            speeds[name] = resting(report, name, stood, played)
             steps[name] = played.step_ms
             part = name.replace(" ", "-")
             look = Look(KINDS[hair].hair_color, tip_part=KINDS[hair].tip_part, size=size)
@@ -86,7 +98,7 @@ def run(
         for axes in (depth_axes, speed_axes, step_axes):
             axes.axvspan(*walks, alpha=0.1, color="k", label="walks")
             axes.set(xlabel="time [s]")
-        limits = np.where(figure.walking(), WALKING_M, STANDING_M)
+        limits = played.limits
         depth_axes.plot(times, 1e3 * limits, "k--", lw=1, label="limit")
         depth_axes.set(ylabel="deepest point [mm]", ylim=(-1, None), title="Depth in the body")
         speed_axes.axhline(1e3 * RESTING_M_S, color="k", ls="--", lw=1)
@@ -95,26 +107,43 @@ def run(
         depth_axes.legend()
 
 
-def animate(client: Client, figure: Walker, kind: Kind, length_m: float, guides: int) -> Played:
-    """Hair that the server generates, over the whole walk."""
+def animate(
+    client: Client, figure: Walker, kind: Kind, length_m: float, guides: int
+) -> tuple[Played, Played]:
+    """Hair that the server generates, over the whole walk, and while the figure stands upright."""
     first = next(figure.motion.poses())
     generate = GuideGeneration(
         kind.hair_type, guides, length_m, seed=SEED, curl_variation=kind.curl_variation
     )
+    at_first = {name: on_head(first, first.bodies[name]) for name in figure.parts}
     bodies = [
-        Body(name, part, Material.COTTON, moving=True, pose=on_head(first, first.bodies[name]))
+        Body(name, part, Material.COTTON, moving=True, pose=at_first[name])
         for name, part in figure.parts.items()
     ]
+    times = np.arange(round(STANDS_S * RATE_HZ) + 1) / RATE_HZ
+    standing = Motion(
+        times,
+        bodies={
+            name: Motion(
+                times,
+                np.tile(pose.position, (len(times), 1)),
+                np.tile(pose.orientation, (len(times), 1)),
+            )
+            for name, pose in at_first.items()
+        },
+    )
     content = {"scalp": figure.head, "scalp_contact": ScalpContact(Material.SKIN)}
-    with (
-        kept(client, generate=generate, bodies=bodies, **content) as groom,
-        client.open_head(
-            groom, "lockstep", points_per_guide=POINTS, initial_pose=first
-        ) as head,
-    ):
-        frames = list(head.play(figure.motion))
-    positions = np.stack([frame.positions for frame in frames])
-    return Played(positions, np.array([frame.step_ms for frame in frames]))
+    played = []
+    with kept(client, generate=generate, bodies=bodies, **content) as groom:
+        for motion, limits in (
+            (figure.motion, np.where(figure.walking(), WALKING_M, STANDING_M)),
+            (standing, np.full(len(standing), STANDING_M)),
+        ):
+            begin = next(motion.poses())
+            options = {"points_per_guide": POINTS, "initial_pose": begin}
+            with client.open_head(groom, "lockstep", **options) as head:
+                played.append(Played.of(list(head.play(motion)), motion, limits))
+    return played[0], played[1]
 
 
 def on_head(head: Pose, body: Pose) -> Pose:
@@ -125,50 +154,61 @@ def on_head(head: Pose, body: Pose) -> Pose:
 
 
 def depths(
-    report: Report, name: str, figure: Walker, solids: dict[str, Solid], played: Played,
-    length_m: float,
-) -> np.ndarray:  # fmt: skip
-    """The deepest point of every frame, (frame,) [m], and where that is too deep."""
+    report: Report, name: str, solids: dict[str, Solid], played: Played, length_m: float
+) -> np.ndarray:
+    """The deepest point of every frame that is searched, (frame,) [m]; reports the worst."""
     points = played.positions.shape[2]
     first = int(np.ceil(ROOT_M / length_m * (points - 1)))
     lines = played.positions[::EVERY, :, first:].astype(np.float64)
+    times, limits = played.motion.times_s[::EVERY], played.limits[::EVERY]
     by_part = {}
     for part, solid in solids.items():
-        motion = figure.motion if part == "head" else figure.motion.bodies[part]
-        by_part[part] = solid.depths(within(lines, motion, EVERY))
-    walking = figure.walking()[::EVERY]
-    for what, frames, limit in (
-        ("stands", ~walking, STANDING_M), ("walks", walking, WALKING_M),
-    ):  # fmt: skip
-        found = {part: d[frames].max() for part, d in by_part.items()}
+        motion = played.motion if part == "head" else played.motion.bodies[part]
+        inside = within(lines, motion, EVERY)
+        by_part[part] = solid.depths(inside)
+        if part != "head":
+            by_part[part][inside[..., 1] < solid.lowest_m + EDGE_M] = -REACH_M
+    deepest = np.max(list(by_part.values()), axis=0)
+    for limit in np.unique(limits):
+        frames = limits == limit
+        found = {part: depth[frames].max() for part, depth in by_part.items()}
         part = max(found, key=found.get)
-        report.at_most(f"{name}: deepest point while it {what}", 1e3 * found[part],
-                       1e3 * limit, " mm")  # fmt: skip
-        those = by_part[part][frames]
-        frame, guide, point = np.unravel_index(those.argmax(), those.shape)
-        where = f"{name}: deepest point while it {what}, its"
-        report.values[f"{where} time [s]"] = float(figure.motion.times_s[::EVERY][frames][frame])
-        report.values[f"{where} guide"] = int(guide)
-        along_m = length_m * (point + first) / (points - 1)
-        report.values[f"{where} way along the guide [m]"] = along_m
+        what = f"{name}: deepest point, limit {1e3 * limit:g} mm"
+        report.at_most(what, 1e3 * found[part], 1e3 * limit, " mm")
+        frame, guide, point = np.unravel_index(
+            by_part[part][frames].argmax(), by_part[part][frames].shape
+        )
+        report.values[f"{what}, its time [s]"] = float(times[frames][frame])
+        report.values[f"{what}, its guide"] = int(guide)
+        report.values[f"{what}, its way along the guide [m]"] = (
+            length_m * (point + first) / (points - 1)
+        )
         for each, depth in found.items():
-            report.values[f"{name}: deepest in {each} while it {what} [mm]"] = float(1e3 * depth)
-    return np.max([d.max(axis=(1, 2)) for d in by_part.values()], axis=0)
+            report.values[f"{what}, in {each} [mm]"] = float(1e3 * depth)
+        deep = deepest[frames] > limit
+        report.values[f"{what}, part of all points that are deeper"] = float(deep.mean())
+        report.values[f"{what}, guides that ever are"] = int(deep.any(axis=(0, 2)).sum())
+    return deepest.max(axis=(1, 2))
 
 
-def resting(report: Report, name: str, figure: Walker, played: Played) -> np.ndarray:
-    """Speed of the fastest tip in the head's axes, (frame - 1,) [m/s]; reports what is left."""
-    tips = within(played.positions[:, :, [-1]].astype(np.float64), figure.motion)[:, :, 0]
-    speed = np.linalg.norm(np.diff(tips, axis=0), axis=2) * RATE_HZ
-    since = figure.motion.times_s[1:] - figure.motion.times_s[figure.walks.stop - 1]
-    late = speed[since >= REST_S]
-    what = f"{name}: fastest tip {REST_S:g} s after the last step"
+def resting(report: Report, name: str, stood: Played, played: Played) -> np.ndarray:
+    """Speed of the fastest tip in the head's axes, (frame - 1,) [m/s], over the walk; reports that
+    of hair that has stood."""
+    speeds = []
+    for each in (stood, played):
+        tips = within(each.positions[:, :, [-1]].astype(np.float64), each.motion)[:, :, 0]
+        speeds.append(np.linalg.norm(np.diff(tips, axis=0), axis=2) * RATE_HZ)
+    late = speeds[0][-round(RATE_HZ) :].max(axis=0)
+    what = f"{name}: fastest tip after {STANDS_S - 1:g} s of standing"
     report.at_most(what, 1e3 * late.max(), 1e3 * RESTING_M_S, " mm/s")
-    report.values[f"{what}, its guide"] = int(late.max(axis=0).argmax())
-    report.values[f"{name}: tips faster than that"] = int((late.max(axis=0) > RESTING_M_S).sum())
+    report.values[f"{what}, its guide"] = int(late.argmax())
+    report.values[f"{what}, tips faster than the limit"] = int((late > RESTING_M_S).sum())
+    report.values[f"{name}: fastest tip {AFTER_S:g} s after the walk [mm/s]"] = float(
+        1e3 * speeds[1][-1].max()
+    )
     report.values[f"{name}: step, median [ms]"] = float(np.median(played.step_ms))
     report.values[f"{name}: step, longest [ms]"] = float(played.step_ms.max())
-    return speed.max(axis=1)
+    return speeds[1].max(axis=1)
 
 
 def within(lines: np.ndarray, motion: Motion, every: int = 1) -> np.ndarray:
