@@ -195,11 +195,10 @@ def test_a_walker_is_closed_parts_that_stay_together():
 
 
 @pytest.mark.skipif(not SHARED.is_dir(), reason=f"needs {SHARED}: a body and a recorded walk")
-def test_a_recorded_walk_swings_arms_beside_the_body():
-    figure = walker(
-        SHARED / "heads" / "makehuman_base.obj", "body", 0.1,
-        SHARED / "motion" / "cmu_12_01_walk.bvh", before_s=0.1, after_s=0.1,
-    )  # fmt: skip
+@pytest.mark.parametrize("recorded", [SHARED / "motion" / "cmu_12_01_walk.bvh", None])
+def test_a_body_that_walks_swings_its_arms(recorded):
+    body = SHARED / "heads" / "makehuman_base.obj"
+    figure = walker(body, "body", 0.1, recorded, before_s=0.1, after_s=0.1)
     assert sorted(figure.parts) == ["left-arm", "right-arm", "torso"]
     for mesh in (figure.head, *figure.parts.values()):
         assert mesh.is_closed()
@@ -214,3 +213,4 @@ def test_a_recorded_walk_swings_arms_beside_the_body():
         hands = Rotation.from_quat(track.orientations).apply(hand) + track.positions
         below = hands - motion.positions
         assert below[:, 1].max() < -0.4 and np.abs(below[:, 0]).max() < 0.45
+        assert np.ptp(below[:, 2]) > 0.1

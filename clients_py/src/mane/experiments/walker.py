@@ -21,8 +21,9 @@ RATE_HZ = 60.0
 
 NECK = np.array([0.0, -0.113, -0.034])
 """Where the neck leaves the shoulders: head and neck turn about it [m]."""
-SHOULDER = np.array([0.168, -0.177, -0.026])
-"""The left one, about which an arm turns [m]."""
+SHOULDER = np.array([0.160, -0.140, -0.026])
+"""The left one, about which an arm turns [m]: the skin above the joint, so that it stays closed as
+arms that were held away from the body come down."""
 
 _NECK_OVERLAP_M = 0.02  # Of head and torso.
 _WAIST_M = -0.5
@@ -31,6 +32,7 @@ _ARM_FROM_M = 0.155  # From the mid plane.
 _ARM_DIRECTION = np.array([0.64, -0.77, 0.0])  # At rest, the left one.
 _EASE_S = 1.0
 _SWING = 0.1  # Of a torso, about the vertical axis [rad].
+_ARM_SWING = 3  # Of an arm, to and fro, over that.
 
 
 @dataclass(frozen=True)
@@ -158,5 +160,9 @@ def _clip() -> dict:
     speed = np.gradient(gaussian_filter1d(clip.positions[:, 2], 6), 1 / RATE_HZ)
     swing = _SWING * np.clip(speed / 1.4, 0, 1) * np.sin(2 * np.pi * 0.95 * clip.times_s)
     torso = Rotation.from_rotvec(np.outer(swing, (0, 1, 0)))
-    return _poses(neck, head, torso, {})
+    arms = {}
+    for name, s in (("left-arm", 1), ("right-arm", -1)):
+        down = Rotation.align_vectors([(0.1 * s, -1, 0)], [_ARM_DIRECTION * (s, 1, 1)])[0]
+        arms[name] = Rotation.from_rotvec(np.outer(s * _ARM_SWING * swing, (1, 0, 0))) * down
+    return _poses(neck, head, torso, arms)
 
