@@ -28,8 +28,8 @@ void DensityGrid::ForCorners(const Place& place, const Visit& visit) const {
       w[a] = i[a] == 1 ? f[a] : 1 - f[a];
       slope[a] = (i[a] == 1 ? 1 : -1) / side_;
     }
-    visit(static_cast<size_t>(place.node + (i[2] * n_[1] + i[1]) * n_[0] + i[0]),
-          w[0] * w[1] * w[2],
+    const int node = place.node + (i[2] * n_[1] + i[1]) * n_[0] + i[0];
+    visit(static_cast<size_t>(node), w[0] * w[1] * w[2],
           Vector3f(slope[0] * w[1] * w[2], w[0] * slope[1] * w[2], w[0] * w[1] * slope[2]));
   }
 }
@@ -37,7 +37,7 @@ void DensityGrid::ForCorners(const Place& place, const Visit& visit) const {
 template <int width, typename Value>
 void DensityGrid::Scatter(const Value& value, exec::WorkerPool& pool,
                           std::vector<float>& sums) const {
-  const auto layer_size = static_cast<size_t>(n_[0] * n_[1]);
+  const auto layer_size = static_cast<size_t>(n_[0]) * n_[1];
   sums.resize(layer_size * static_cast<size_t>(n_[2]) * width);
   // A layer of corners receives from the cells on either side of it, always in one order.
   pool.ParallelFor(n_[2], 1, [&](int layer, int) {

@@ -203,7 +203,7 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
              block.loaded + i);
       }
       const V sign = rub > 0.5F ? All(1) : All(-1);
-      Put((Abs(rub) > 0.5F) & (pressing > 0.0F) ? sign * pressing : V{}, pressed, 0);
+      Put(((Abs(rub) > 0.5F) & (pressing > 0.0F)) ? sign * pressing : V{}, pressed, 0);
     }
     return any;
   }

@@ -16,9 +16,11 @@ struct SegmentBox {
   int32_t guide = -1;        ///< -1: no segment.
 
   [[nodiscard]] bool Overlaps(const SegmentBox& other) const {
-    bool apart = false;
-    for (int i = 0; i < 3; ++i) apart |= (low[i] > other.high[i]) | (other.low[i] > high[i]);
-    return !apart;
+    int apart = 0;  // Without branches.
+    for (int i = 0; i < 3; ++i) {
+      apart |= static_cast<int>(low[i] > other.high[i]) | static_cast<int>(other.low[i] > high[i]);
+    }
+    return apart == 0;
   }
 };
 
