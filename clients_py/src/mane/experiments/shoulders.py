@@ -104,7 +104,7 @@ def run(
         speed_axes.axhline(1e3 * RESTING_M_S, color="k", ls="--", lw=1)
         speed_axes.set(ylabel="fastest tip, in the head's axes [mm/s]", title="Coming to rest")
         step_axes.set(ylabel="step on the server [ms]", title=f"Time, {guides} guides")
-        depth_axes.legend()
+        step_axes.legend()
 
 
 def animate(

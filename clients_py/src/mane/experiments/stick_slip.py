@@ -81,7 +81,7 @@ def run(client: Client, report: Report, quick: bool) -> None:
             )  # fmt: skip
         tilt_axes.axvline(1, color="k", ls="--", lw=1)
         tilt_axes.set(
-            xlim=(0.5, 1.3),
+            xlim=(0.5, 1.7),
             xlabel=r"angle / atan $\mu$",
             ylabel="way of the tip [mm]",
             title=f"Slow tilt, {np.degrees(TILT_PER_S):g} degree a second",

@@ -21,14 +21,14 @@ RATE_HZ = 60.0
 
 NECK = np.array([0.0, -0.113, -0.034])
 """Where the neck leaves the shoulders: head and neck turn about it [m]."""
-SHOULDER = np.array([0.160, -0.140, -0.026])
-"""The left one, about which an arm turns [m]: the skin above the joint, so that it stays closed as
+SHOULDER = np.array([0.172, -0.165, -0.026])
+"""The left one, about which an arm turns [m]: somewhat above the joint, so that it stays closed as
 arms that were held away from the body come down."""
 
 _NECK_OVERLAP_M = 0.02  # Of head and torso.
 _WAIST_M = -0.5
-_TORSO_HALF_WIDTH_M = 0.185
-_ARM_FROM_M = 0.155  # From the mid plane.
+_TORSO_HALF_WIDTH_M = 0.18
+_ARM_FROM_M = 0.16  # From the mid plane.
 _ARM_DIRECTION = np.array([0.64, -0.77, 0.0])  # At rest, the left one.
 _EASE_S = 1.0
 _SWING = 0.1  # Of a torso, about the vertical axis [rad].
