@@ -3,18 +3,28 @@
 from __future__ import annotations
 
 import json
+import os
+from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_bvp
 from scipy.optimize import brentq
+from scipy.spatial.transform import Rotation
 from scipy.special import jv
 
-from mane.experiments import kirchhoff, modes
+from mane.experiments import depth, kirchhoff, modes
 from mane.experiments.buckling import Shaken
+from mane.experiments.fabrics import TILT, Sample
 from mane.experiments.pendulum import damped_wave
 from mane.experiments.report import Report
-from mane.experiments.scene import UP, straight_hair
+from mane.experiments.scene import UP, slab, straight_hair
+from mane.experiments.walker import NECK, walker
+
+# A body and a recorded walk, which the repository does not carry.
+SHARED = Path(
+    os.environ.get("MANE_SHARED", Path(__file__).resolve().parents[2].parent / "shared")
+) / "data"  # fmt: skip
 
 
 def test_the_planar_rod_is_the_elastica_of_a_collocation_solver():
@@ -114,6 +124,27 @@ def test_a_damped_wave_is_fitted_exactly():
     np.testing.assert_allclose(damped_wave(times, wave, 8.5), [0.7, 9, 3e-3], rtol=1e-6)
 
 
+@pytest.mark.parametrize("turn", np.radians((30, 90, 150)))
+def test_hair_on_a_fabric_points_along_weight_and_friction_together(turn):
+    sample = Sample("wool", turn, friction=0.5, anisotropy=0.4)
+    angle = sample.deflection()
+    hair = np.array([np.cos(angle), np.sin(angle)])  # Downhill, aside.
+    fabric = np.array([np.cos(turn), np.sin(turn)])
+    mu = 0.5 * (1 + 0.4 * (-fabric @ hair))
+    pull = np.array([np.sin(TILT), 0]) + mu * np.cos(TILT) * fabric
+    np.testing.assert_allclose(pull / np.linalg.norm(pull), hair, atol=1e-9)
+    assert sample.rubbed(angle) == pytest.approx(mu)
+    assert sample.law(np.pi - turn + angle) == pytest.approx(mu)
+
+
+def test_a_slab_is_a_closed_box_below_its_face():
+    box = slab("box", 0.5).shape
+    assert box.is_closed()
+    corners = box.vertices.astype(float)[box.triangles]
+    assert np.linalg.det(corners).sum() / 6 == pytest.approx(0.05 * 1.0**2)  # Its volume.
+    assert box.vertices[:, 0].max() == 0
+
+
 def test_a_report_tells_agreement_from_disagreement(tmp_path):
     report = Report("trial", tmp_path / "new")
     report.equal("first", 10.0, 10.4, 0.05, " m")
@@ -133,3 +164,53 @@ def test_a_report_tells_agreement_from_disagreement(tmp_path):
     content = json.loads(report.files[-1].read_text())
     assert [fact["holds"] for fact in content["facts"]] == [True, False]
     assert content["values"] == {"first": 10.4, "second": 0.2}
+
+
+def test_depth_in_a_solid_is_that_of_a_box_and_has_the_right_sign_at_its_corners():
+    solid = depth.Solid(slab("box", 0.1).shape)
+    rng = np.random.default_rng(5)
+    near = rng.uniform((-0.07, -0.12, -0.12), (0.02, 0.12, 0.12), (4000, 3))
+    outside = np.maximum(np.abs(near - (-0.025, 0, 0)) - (0.025, 0.1, 0.1), 0)
+    inside = np.minimum(0.025 - np.abs(near[:, 0] + 0.025), 0.1 - np.abs(near[:, 1:]).max(axis=1))
+    expected = np.where(inside > 0, inside, -np.linalg.norm(outside, axis=1))
+    told = (expected > -3e-3) & (expected < depth.REACH_M)
+    found = solid.depths(near.reshape(40, 100, 3)).ravel()
+    np.testing.assert_allclose(found[told], expected[told], atol=1e-7)
+    assert np.all(found[expected < -3e-3] < -2e-3)
+
+
+def test_a_walker_is_closed_parts_that_stay_together():
+    figure = walker(None, None, 1.0, None, before_s=0.5, after_s=0.5)
+    assert figure.head.is_closed() and len(figure.head.hair_triangles)
+    assert figure.parts["torso"].is_closed()
+    torso = figure.motion.bodies["torso"]
+    necks = [
+        Rotation.from_quat(track.orientations).apply(NECK) + track.positions
+        for track in (figure.motion, torso)
+    ]
+    np.testing.assert_allclose(*necks, atol=1e-9)
+    assert np.ptp(Rotation.from_quat(torso.orientations).as_rotvec()[:, 1]) > 0.1
+    before, after = figure.motion.positions[: figure.walks.start], figure.motion.positions[-30:]
+    assert np.ptp(before, axis=0).max() == np.ptp(after, axis=0).max() == 0
+
+
+@pytest.mark.skipif(not SHARED.is_dir(), reason=f"needs {SHARED}: a body and a recorded walk")
+@pytest.mark.parametrize("recorded", [SHARED / "motion" / "cmu_12_01_walk.bvh", None])
+def test_a_body_that_walks_swings_its_arms(recorded):
+    body = SHARED / "heads" / "makehuman_base.obj"
+    figure = walker(body, "body", 0.1, recorded, before_s=0.1, after_s=0.1)
+    assert sorted(figure.parts) == ["left-arm", "right-arm", "torso"]
+    for mesh in (figure.head, *figure.parts.values()):
+        assert mesh.is_closed()
+    motion = figure.motion
+    assert motion.positions[-1, 2] - motion.positions[0, 2] > 4  # It walks ahead,
+    speed = np.linalg.norm(np.diff(motion.positions, axis=0), axis=1) * 60
+    assert speed.max() < 2 and np.abs(np.diff(speed)).max() * 60 < 15  # And never jumps.
+    for name, side in (("left-arm", 1), ("right-arm", -1)):
+        arm = figure.parts[name]
+        hand = arm.vertices[np.argmax(side * arm.vertices[:, 0])].astype(float)
+        track = motion.bodies[name]
+        hands = Rotation.from_quat(track.orientations).apply(hand) + track.positions
+        below = hands - motion.positions
+        assert below[:, 1].max() < -0.4 and np.abs(below[:, 0]).max() < 0.45
+        assert np.ptp(below[:, 2]) > 0.1

@@ -10,12 +10,13 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from importlib import resources
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
@@ -193,22 +194,28 @@ def place_head(mesh: Mesh) -> Mesh:
 def cut_bust(mesh: Mesh, height_m: float = 0.37, half_width_m: float = 0.195) -> Mesh:
     """Keeps what is at most `height_m` below the top and within `half_width_m` of the mid plane.
 
-    Triangles across the cut are cut, and every opening is closed by a fan about its middle, so that
-    a closed mesh stays closed. Triangles that grow hair are kept whole. A mesh that is small enough
-    comes back as it is. Raises InvalidArgument when nothing is left.
+    As `cut` does it. A mesh that is small enough comes back as it is.
     """
     bottom = float(mesh.vertices[:, 1].max()) - height_m
     if mesh.vertices[:, 1].min() >= bottom and np.abs(mesh.vertices[:, 0]).max() <= half_width_m:
         return mesh
+    left, right = (half_width_m, 0, 0), (-half_width_m, 0, 0)
+    planes = ((0, 1, 0), (0, bottom, 0)), ((-1, 0, 0), left), ((1, 0, 0), right)
+    return cut(mesh, planes)
+
+
+def cut(mesh: Mesh, planes: Iterable[tuple[ArrayLike, ArrayLike]]) -> Mesh:
+    """Keeps what lies on the side of the normal of every plane: (normal, a point of it), each (3,).
+
+    Triangles across a plane are cut, and every opening is closed by a fan about its middle, so that
+    a closed mesh stays closed. Triangles that grow hair are kept whole. Raises InvalidArgument when
+    nothing is left.
+    """
     grows = np.zeros(len(mesh.triangles), bool)
     grows[mesh.hair_triangles] = True
     hair, rest = mesh.triangles[grows].astype(np.int64), mesh.triangles[~grows].astype(np.int64)
     points = mesh.vertices
-    for normal, origin in (
-        ((0, 1, 0), (0, bottom, 0)),
-        ((-1, 0, 0), (half_width_m, 0, 0)),
-        ((1, 0, 0), (-half_width_m, 0, 0)),
-    ):
+    for normal, origin in planes:
         points, hair, rest = _cut(
             points, hair, rest, np.array(normal, float), np.array(origin, float)
         )

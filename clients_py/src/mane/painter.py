@@ -11,8 +11,9 @@ the light. Head and hair go through one z-buffer (mane.raster), so that either h
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
@@ -25,6 +26,7 @@ from mane.raster import Camera, ZBuffer
 from mane.wisps import Wisps
 
 _SKIN = np.array([0.62, 0.43, 0.33])  # Colours are linear, not sRGB.
+_CLOTH = np.array([0.30, 0.36, 0.44])  # Of bodies.
 _BACKGROUND = np.array([[0.66, 0.69, 0.73], [0.36, 0.39, 0.44]])  # At the top, at the bottom.
 _FLOOR_LINE = np.array([0.20, 0.22, 0.26])
 _FLOOR_STEP_M = 0.25
@@ -77,7 +79,8 @@ class Painter:
     """Draws single moments of one groom on one head.
 
     mesh: the head, or None for hair alone. positions: (frames, guides, points, 3) world [m].
-    motion: the head pose of every frame.
+    motion: the head pose of every frame, and those of bodies. bodies: what else is drawn, by the
+    names in `motion.bodies`.
 
     Raises InvalidArgument when the shapes do not fit or a number is not finite.
     """
@@ -88,6 +91,7 @@ class Painter:
         positions: np.ndarray,
         motion: Motion,
         look: Look,
+        bodies: Mapping[str, Mesh] = MappingProxyType({}),
     ) -> None:
         positions = np.asarray(positions, np.float32)
         if positions.ndim != 4 or positions.shape[3] != 3 or positions.shape[2] < 2:
@@ -111,6 +115,9 @@ class Painter:
             self._normals = mesh.vertex_normals()
             self._skin = _scalp_colors(mesh, self._color)
             self._inside = 0.0 if mesh.is_closed() else 0.25  # Brightness, where it can be seen.
+        self._bodies = [
+            (motion.bodies[name], body, body.vertex_normals()) for name, body in bodies.items()
+        ]
         facing = self._heads[0].apply((0, 0, 1))
         self._heading = np.arctan2(facing[0], facing[2])
         rate = (len(motion) - 1) / max(motion.duration_s, 1e-9)
@@ -122,6 +129,8 @@ class Painter:
         self._height_m = self._needed_height()
         lowest = 0.25 if mesh is None else -float(mesh.vertices[:, 1].min())
         self._floor_y = motion.positions[0, 1] - lowest - 0.03
+        for index in range(len(self._bodies)):
+            self._floor_y = min(self._floor_y, self._body(index, 0)[0][:, 1].min() - 0.03)
 
     def frame(self, index: int, view: View) -> np.ndarray:
         """The picture of one frame, uint8 (size, size, 3)."""
@@ -145,8 +154,18 @@ class Painter:
                 _skin_light(normals, light, up, shadow, points) * self._skin,
                 back=self._inside,
             )
+        for k, (_, body, _) in enumerate(self._bodies):
+            points, normals = self._body(k, index)
+            lit = _skin_light(normals, light, up, shadow, points)
+            canvas.triangles(points, body.triangles, lit * _CLOTH)
         canvas.lines(hairs, self._hair_light(hairs, light, camera, shadow))
         return canvas.image()
+
+    def _body(self, body: int, index: int) -> tuple[np.ndarray, np.ndarray]:
+        """Vertices and normals of a body in a frame, in the world."""
+        track, mesh, normals = self._bodies[body]
+        turn = Rotation.from_quat(track.orientations[index])
+        return turn.apply(mesh.vertices) + track.positions[index], turn.apply(normals)
 
     def _camera(self, index: int, view: View) -> Camera:
         azimuth = self._heading + np.radians(view.azimuth_deg)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import multiprocessing
 import os
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from types import MappingProxyType
 
 import numpy as np
 
@@ -31,18 +32,20 @@ def draw_sheet(
     views: Sequence[View] = VIEWS,
     title: str = "",
     look: Look = _DEFAULT_LOOK,
+    bodies: Mapping[str, Mesh] = MappingProxyType({}),
 ) -> None:
     """Writes one picture: a row for every view, a column for every one of `moments` moments.
 
     path: the file's ending chooses its format, such as .png. mesh: the head, or None for hair
     alone. positions: (frames, guides, points, 3) world [m]. motion: the head pose of every frame.
-    The moments are spread evenly from the first frame to the last.
+    bodies: what else is drawn, by the names in `motion.bodies`. The moments are spread evenly from
+    the first frame to the last.
 
     Raises InvalidArgument for shapes that do not fit and numbers that are not finite.
     """
     from PIL import Image, ImageDraw, ImageFont
 
-    painter, size = Painter(mesh, positions, motion, look), look.size
+    painter, size = Painter(mesh, positions, motion, look, bodies), look.size
     chosen = np.linspace(0, len(motion) - 1, max(1, min(moments, len(motion)))).round().astype(int)
     rows = [np.hstack([painter.frame(index, view) for index in chosen]) for view in views]
     sheet = Image.fromarray(np.vstack(rows))
