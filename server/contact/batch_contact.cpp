@@ -16,7 +16,7 @@ using Block = rod::Batch<float>::Block;
 
 constexpr double kPointSpacing = 0.015;  // [m]
 constexpr double kLargestBulge = 2e-3;   // Of curled hair between two points [m].
-constexpr int kMostPoints = 4;
+constexpr int kMostPoints = 10;
 
 void Reserve(const Block& block, int per_element, BatchContactScratch* scratch) {
   const size_t points = static_cast<size_t>(block.elements) * per_element;

@@ -32,7 +32,7 @@ struct BatchContactSettings {
 [[nodiscard]] GroupMotion MotionOf(const BodyMotion& group, const rod::ClampMotion& head);
 
 /// Points of each element of a block at which it meets bodies: as few as lie within 15 mm of each
-/// other and leave no more than 2 mm of curl between them, 1 to 4.
+/// other and leave no more than 2 mm of curl between them, 1 to 10.
 [[nodiscard]] int PointsPerElement(const rod::Batch<float>& batch,
                                    const rod::Batch<float>::Block& block);
 
@@ -94,6 +94,10 @@ class BlockStep {
   [[nodiscard]] Eigen::Vector3f Position(int point, int lane) const;
   [[nodiscard]] Eigen::Vector3f LastVelocity(int point, int lane) const;
   [[nodiscard]] Eigen::Vector3f Velocity(int point, int lane) const;
+  /// To the nearest body [m]; large where none is within reach.
+  [[nodiscard]] float Distance(int point, int lane) const {
+    return scratch_.meetings[point * kMeetingRows + kDistance].lane[lane];
+  }
   /// Mass that it stands for [kg].
   [[nodiscard]] float Mass(int point, int lane) const;
   /// Sets what others push it with in the next solution [kg m/s].

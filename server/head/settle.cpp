@@ -6,12 +6,64 @@
 #include <utility>
 
 #include "head/head.h"
+#include "head/kernels.h"
+#include "head/wisps.h"
 
 namespace mane::head {
 namespace {
 
-constexpr double kTime = 5;      // [s]
+constexpr double kTime = 10;     // [s]
 constexpr double kDamping = 10;  // Rate at which air stops free hair [1/s]: next to critical.
+
+// Hair that lies deeper in a body at rest starts from its natural shape [m].
+constexpr double kDeep = 3e-3;
+
+// The natural shape of a guide, as Groom::rest_of.
+std::vector<double> NaturalShape(const groom::Guide& guide) {
+  std::vector<double> coordinates;
+  const int N = guide.strand.elements();
+  for (int Q = 0; Q < N; ++Q) {
+    const Eigen::Vector3d theta = guide.strand.length[Q] * guide.strand.natural[Q];
+    if (guide.wound) {
+      const rod::Vector4d& x = guide.wound->natural[Q];
+      coordinates.insert(coordinates.end(), x.data(), x.data() + 4);
+    } else {
+      coordinates.insert(coordinates.end(), theta.data(), theta.data() + 3);
+    }
+  }
+  return coordinates;
+}
+
+// Where a rest shape leads through a body, coming out on its nearest side would leave hair through
+// neck and nose: it falls on them from outside instead, from its natural shape, which points away.
+void LiftDeepGuides(const groom::Groom& groom, HeadState* state) {
+  WispStep::Drive drive;
+  const rod::ClampMotion still{{}, {}, kLongestStep};
+  rod::SetDrive<float>(still, {}, 0, rod::layout::kLanes, drive);
+  std::vector<contact::GroupMotion> motions;
+  SetGroupMotions(state->contact, {}, still, 0, 1, &motions);
+  std::vector<const contact::BodyGroup*> groups;
+  for (const Bodies::Group& group : state->contact.bodies->groups) groups.push_back(&group.bodies);
+  const contact::BatchContact among{Kernels(), Meetings(), groups, motions, {}};
+  contact::BatchContactScratch scratch;
+  for (size_t i = 0; i < groom.batch.blocks().size(); ++i) {
+    const auto& block = groom.batch.blocks()[i];
+    const Contact::Block& own = state->contact.blocks[i];
+    contact::BlockStep step(among, groom.batch, block, own.per_element, drive,
+                            std::span(state->contact.memory).subspan(own.first, own.rows),
+                            state->guides, scratch);
+    step.Begin();
+    for (int lane = 0; lane < block.count; ++lane) {
+      float least = 0;
+      for (int point = 0; point < step.points(); ++point) {
+        least = std::min(least, step.Distance(point, lane));
+      }
+      if (least > -kDeep) continue;
+      const int guide = block.strands[lane];
+      groom.batch.SetStill(guide, NaturalShape(groom.guides[guide]), state->guides);
+    }
+  }
+}
 
 // Factor on the drag of `groom` that damps so its hair that is damped least.
 double DragScale(const groom::Groom& groom) {
@@ -29,6 +81,7 @@ std::vector<rod::Row<float>> Settle(const groom::Groom& groom, std::shared_ptr<c
   HeadState state = AtRest(groom, {});
   if (bodies->bodies.empty()) return std::move(state.guides);
   StartContact(groom, std::move(bodies), &state);
+  LiftDeepGuides(groom, &state);
   Environment air;
   air.air_drag_scale = DragScale(groom);
   const int steps = static_cast<int>(kTime / kLongestStep);

@@ -10,9 +10,9 @@
 
 namespace mane::head {
 
-/// The shape in which hair of `groom` lies still among `bodies` on an upright head: its rest shape,
-/// which may go through them, comes out and settles in thick air. A function of the groom and the
-/// bodies alone.
+/// The shape in which hair of `groom` lies still among `bodies` on an upright head: its rest shape
+/// settles in thick air; where that leads through a body, hair falls on it from its natural shape.
+/// A function of the groom and the bodies alone.
 ///
 /// @return as HeadState::guides, standing still.
 [[nodiscard]] std::vector<rod::Row<float>> Settle(const groom::Groom& groom,

@@ -5,19 +5,14 @@
 #include <vector>
 
 namespace mane::session {
-namespace {
-
-bool HasBodies(const groom::Groom& groom) { return !groom.bodies.empty() || groom.scalp_friction; }
-
-}  // namespace
 
 bool BodyLibrary::Missing(const GroomPtr& groom) {
   std::lock_guard lock(mutex_);
-  return HasBodies(*groom) && FindLocked(groom) == nullptr;
+  return groom->has_contact && FindLocked(groom) == nullptr;
 }
 
 Result<BodyLibrary::BodiesPtr> BodyLibrary::FindOrMake(const GroomPtr& groom) {
-  if (!HasBodies(*groom)) return BodiesPtr();
+  if (!groom->has_contact) return BodiesPtr();
   {
     std::lock_guard lock(mutex_);
     if (BodiesPtr found = FindLocked(groom)) return found;
