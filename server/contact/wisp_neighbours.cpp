@@ -16,7 +16,7 @@ constexpr float kFarthest = 1e4f;       // From the origin; beyond it float32 re
 constexpr float kLongestSweep = 0.25f;  // Of a segment among the others [m].
 constexpr float kLinkLength = 3;        // By the radius of the wisp,
 constexpr float kLongestLink = 8;       // and in segments.
-constexpr float kSpare = 2.0f;          // By which boxes are larger than need be, by the radius.
+constexpr float kSpare = 0.5f;          // By which boxes are larger than need be, by the radius.
 constexpr double kMostTests = 500;      // A segment, at which sweeps are cut.
 constexpr double kFew = 1000;           // Segments that may always be tested.
 
@@ -66,7 +66,7 @@ void LayOut(const WispPoints& points, size_t g, float root_length, WispNeighbour
   }
   const float each = arc / static_cast<float>(std::max<size_t>(lengths, 1));
   const float most = kLinkLength * radius / std::max(each, 1e-6f);
-  layout.link = static_cast<int32_t>(std::clamp(most + 0.5f, 1.0f, kLongestLink));
+  layout.link = static_cast<int32_t>(std::clamp(most + 0.75f, 1.0f, kLongestLink));
 }
 
 // Marks one guide's segments that can take part, and weighs them.
@@ -106,11 +106,13 @@ SegmentBox Measure(const WispPoints& points, size_t begin, size_t count, const W
   link.moved =
       0.5f * (start(begin) - neighbours.start[begin] + start(end) - neighbours.start[end]);
   link.reach = reach;
-  float half = 0, wobble = 0, spread = 0;
+  link.middle = 0.5f * (start(begin) + start(end));
+  float radius = 0, half = 0, wobble = 0, spread = 0;
   Array3f low = Array3f::Constant(1e30f), high = -low;
   Vector3f last_x = Vector3f::Zero(), last_u = Vector3f::Zero();
   for (size_t p = begin; p <= end; ++p) {
     const Vector3f u = points.velocity[p], x = start(p);
+    radius = std::max(radius, (x - link.middle).squaredNorm());
     wobble = std::max(wobble, (x - neighbours.start[p] - link.moved).squaredNorm());
     spread = std::max(spread, (u - link.drift).squaredNorm());
     const Array3f at = (x - frame.position).array();
@@ -126,6 +128,7 @@ SegmentBox Measure(const WispPoints& points, size_t begin, size_t count, const W
     last_x = x;
     last_u = u;
   }
+  link.radius = std::sqrt(radius);
   link.half = half;
   link.wobble = std::sqrt(wobble);
   link.spread = std::sqrt(spread) * step.dt;
@@ -251,7 +254,7 @@ void Search(const WispPoints& points, const WispStep& step, const WispSettings& 
       ForLinks(points, g, neighbours, scratch, [&](size_t p, size_t) {
         const size_t of_link = found.size();
         scratch.grid.ForOverlapping(static_cast<int>(p), [&](int32_t q) {
-          found.push_back({static_cast<int32_t>(p), q, 0, {-1, -1}});
+          found.push_back({static_cast<int32_t>(p), q, -1, {-1, -1}});
         });
         std::sort(found.begin() + static_cast<ptrdiff_t>(of_link), found.end(), Before);
       });

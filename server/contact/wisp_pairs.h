@@ -108,6 +108,8 @@ struct WispScratch {
   };
   /// A link of segments in a step.
   struct Link {
+    Eigen::Vector3f middle;  ///< Of its ends at the start of the step [m],
+    float radius;            ///< and how far from it a point of it is at most.
     Eigen::Vector3f drift;  ///< Mean velocity of its ends [m/s].
     float spread;           ///< What a point of it will move beside that at most [m].
     Eigen::Vector3f moved;  ///< What its ends have moved since the last step, as a mean [m],

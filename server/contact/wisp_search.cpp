@@ -14,6 +14,7 @@ using Contact = WispScratch::Contact;
 using Link = WispScratch::Link;
 
 constexpr float kPatience = 0.35f;
+constexpr float kLate = 0.1f;
 constexpr float kFast = 0.25f;  // What links sweep, by their reach, at which it is followed.
 
 // Distance of a candidate's segments at the start of the step [m].
@@ -57,10 +58,12 @@ float Closest(const WispNeighbours& neighbours, const WispScratch& scratch, floa
   });
   const float bound = std::sqrt(least_2) - halves;
   if (bound > near) return bound;
+  const int32_t middle[2] = {candidate.point[0], candidate.point[1]};
   float least = Apart(neighbours, candidate.point);
   if (least <= near) return least;
   ForSegments(a, b, candidate.link, [&](int32_t p, int32_t q) {
-    if (middles_2(p, q) > (least + halves) * (least + halves)) return;
+    const bool next = std::abs(p - middle[0]) + std::abs(q - middle[1]) == 1;
+    if (!next || middles_2(p, q) > (least + halves) * (least + halves)) return;
     const int32_t point[2] = {p, q};
     const float apart = Apart(neighbours, point);
     if (apart >= least) return;
@@ -98,21 +101,31 @@ bool MayMeet(const WispNeighbours& neighbours, const WispStep& step, const WispS
   const Link& a = scratch.links[static_cast<size_t>(pair.first)];
   const Link& b = scratch.links[static_cast<size_t>(pair.second)];
   pair.slack -= (a.moved - b.moved).norm() + a.wobble + b.wobble;
-  const float sweep = (a.drift - b.drift).norm() * step.dt + a.spread + b.spread;
-  const bool known = pair.segment[0] >= 0;
-  if (pair.slack > sweep && !known) return false;
   const float reach = a.reach + b.reach;
+  const float all = (a.drift - b.drift).norm() * step.dt + a.spread + b.spread;
+  // What stays within the margin does not touch.
+  const float sweep = std::max(0.0f, all - kMargin / (1 + kMargin) * reach);
+  const bool known = pair.segment[0] >= 0;
+  if (pair.slack > sweep - kLate * reach && !known) return false;
   candidate = {b.guide, {pair.first, pair.second}, {pair.first, pair.second}, 0, &pair};
-  if (known && pair.slack > 0 && sweep < kFast * reach) {
+  if (known && pair.slack > 0 && all < kFast * reach) {
     for (int k = 0; k < 2; ++k) candidate.point[k] += pair.segment[k];
     candidate.distance = Apart(neighbours, candidate.point);
     return true;
+  }
+  if (!known) {
+    const float apart_2 = (a.middle - b.middle).squaredNorm();
+    const float radii = a.radius + b.radius + reach, most = radii + sweep;
+    if (apart_2 > most * most) {
+      pair.slack = std::sqrt(apart_2) - radii;
+      return false;
+    }
   }
   pair.segment[0] = -1;
   candidate.distance = Closest(neighbours, scratch, reach + sweep, candidate);
   pair.slack = candidate.distance - reach;
   if (pair.slack > sweep) return false;
-  if (sweep < kFast * reach) return true;
+  if (all < kFast * reach) return true;
   candidate.distance = Closest(step, scratch, candidate);
   return candidate.distance <= reach + a.half + b.half;
 }
