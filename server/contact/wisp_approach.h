@@ -16,6 +16,8 @@ inline constexpr float kLargestRadius = 0.1f;  ///< A wisp counts as no wider [m
 /// Wisps farther apart than their radii by this part of the sum are no pair.
 inline constexpr float kMargin = 0.25f;
 
+inline constexpr float kUnknown = -1;  ///< Slack of what has to be looked at [m].
+
 /// Of two guides' wisps [m].
 [[nodiscard]] float SumOfRadii(const WispPoints& points, const int32_t guide[2]);
 

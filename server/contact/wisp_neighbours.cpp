@@ -16,7 +16,7 @@ constexpr float kFarthest = 1e4f;       // From the origin; beyond it float32 re
 constexpr float kLongestSweep = 0.25f;  // Of a segment among the others [m].
 constexpr float kLinkLength = 3;        // By the radius of the wisp,
 constexpr float kLongestLink = 8;       // and in segments.
-constexpr float kSpare = 0.5f;          // By which boxes are larger than need be, by the radius.
+constexpr float kSpare = 0.8f;          // By which boxes are larger than need be, by the radius.
 constexpr double kMostTests = 500;      // A segment, at which sweeps are cut.
 constexpr double kFew = 1000;           // Segments that may always be tested.
 
@@ -254,7 +254,7 @@ void Search(const WispPoints& points, const WispStep& step, const WispSettings& 
       ForLinks(points, g, neighbours, scratch, [&](size_t p, size_t) {
         const size_t of_link = found.size();
         scratch.grid.ForOverlapping(static_cast<int>(p), [&](int32_t q) {
-          found.push_back({static_cast<int32_t>(p), q, -1, {-1, -1}});
+          found.push_back({static_cast<int32_t>(p), q, kUnknown, {-1, -1}});
         });
         std::sort(found.begin() + static_cast<ptrdiff_t>(of_link), found.end(), Before);
       });

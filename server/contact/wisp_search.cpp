@@ -104,9 +104,10 @@ bool MayMeet(const WispNeighbours& neighbours, const WispStep& step, const WispS
   const float reach = a.reach + b.reach;
   const float all = (a.drift - b.drift).norm() * step.dt + a.spread + b.spread;
   // What stays within the margin does not touch.
-  const float sweep = std::max(0.0f, all - kMargin / (1 + kMargin) * reach);
+  const float enough = std::max(-kLate * reach, all - kMargin / (1 + kMargin) * reach);
   const bool known = pair.segment[0] >= 0;
-  if (pair.slack > sweep - kLate * reach && !known) return false;
+  if (pair.slack > enough && !known) return false;
+  const float sweep = std::max(0.0f, enough);
   candidate = {b.guide, {pair.first, pair.second}, {pair.first, pair.second}, 0, &pair};
   if (known && pair.slack > 0 && all < kFast * reach) {
     for (int k = 0; k < 2; ++k) candidate.point[k] += pair.segment[k];
@@ -122,10 +123,12 @@ bool MayMeet(const WispNeighbours& neighbours, const WispStep& step, const WispS
     }
   }
   pair.segment[0] = -1;
-  candidate.distance = Closest(neighbours, scratch, reach + sweep, candidate);
-  pair.slack = candidate.distance - reach;
-  if (pair.slack > sweep) return false;
-  if (all < kFast * reach) return true;
+  if (all < kFast * reach) {
+    candidate.distance = Closest(neighbours, scratch, reach + sweep, candidate);
+    pair.slack = candidate.distance - reach;
+    return pair.slack <= sweep;
+  }
+  pair.slack = kUnknown;
   candidate.distance = Closest(step, scratch, candidate);
   return candidate.distance <= reach + a.half + b.half;
 }
