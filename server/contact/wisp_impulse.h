@@ -1,6 +1,6 @@
 #pragma once
 
-#include "contact/wisp_search.h"
+#include "contact/wisp_approach.h"
 
 namespace mane::contact {
 

@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "contact/wisp_impulse.h"
+#include "contact/wisp_neighbours.h"
+#include "contact/wisp_search.h"
 #include "rod/scheme.h"
 
 namespace mane::contact {
@@ -29,15 +31,28 @@ constexpr float kLostCrossed = 2;  // Wisps that crossed and are this many radii
 
 auto GuidesOf(const WispPair& pair) { return std::tie(pair.guide[0], pair.guide[1]); }
 
-// Old pairs of the same two guides.
-std::span<WispPair> OldPairs(std::vector<WispPair>& old, const int32_t guide[2]) {
-  const auto less = [](const WispPair& a, const WispPair& b) { return GuidesOf(a) < GuidesOf(b); };
-  WispPair key{};
-  key.guide[0] = guide[0];
-  key.guide[1] = guide[1];
-  const auto [begin, end] = std::equal_range(old.begin(), old.end(), key, less);
-  return {begin, end};
-}
+// Goes through old pairs by guides, as contacts do.
+class OldPairs {
+ public:
+  OldPairs(const std::vector<WispPair>& old, int guide)
+      : begin_(std::lower_bound(
+            old.begin(), old.end(), guide,
+            [](const WispPair& pair, int first) { return pair.guide[0] < first; })),
+        end_(begin_),
+        last_(old.end()) {}
+
+  // Those of the same two guides, which are no earlier ones than the last time.
+  std::span<const WispPair> Of(const int32_t guide[2]) {
+    const auto key = std::tie(guide[0], guide[1]);
+    if (begin_ != end_ && GuidesOf(*begin_) == key) return {begin_, end_};
+    for (begin_ = end_; begin_ != last_ && GuidesOf(*begin_) < key;) ++begin_;
+    for (end_ = begin_; end_ != last_ && GuidesOf(*end_) == key;) ++end_;
+    return {begin_, end_};
+  }
+
+ private:
+  std::vector<WispPair>::const_iterator begin_, end_, last_;
+};
 
 // How far a pair would have to go along the guides [segments].
 float Along(const WispPair& old, const Contact& contact) {
@@ -65,13 +80,15 @@ void Continue(const WispPair& old, bool first, double steps, WispPair& pair) {
 
 // The pairs of one piece of guides: found ones, then those that were crossed and lost sight of.
 void FindPairs(const WispPoints& points, const WispStep& step, const WispSettings& settings,
-               double steps, int begin, int end, WispScratch& scratch, WispScratch::Piece& piece) {
-  FindContacts(points, step, scratch, begin, end, piece);
+               double steps, int begin, int end, WispScratch& scratch, WispNeighbours& neighbours,
+               WispScratch::Piece& piece) {
+  FindContacts(points, step, scratch, begin, end, neighbours, piece);
   piece.pairs.clear();
+  OldPairs old_pairs(scratch.pairs, begin);
   for (const Contact& contact : piece.contacts) {
     const WispPair* nearest = nullptr;
     float least = kFarthestFollowed;
-    for (const WispPair& old : OldPairs(scratch.pairs, contact.guide)) {
+    for (const WispPair& old : old_pairs.Of(contact.guide)) {
       const float along = Along(old, contact);
       if (along >= least) continue;
       least = along;
@@ -213,11 +230,11 @@ void WispTracker::Begin(const WispPoints& points, double dt, WispScratch& scratc
   std::swap(pairs_, scratch.pairs);
   scratch.followed.assign(scratch.pairs.size(), 0);
 
-  BuildGrid(points, step, settings_, scratch, pool);
   const auto pieces = static_cast<size_t>((points.guides() + kGuidesAPiece - 1) / kGuidesAPiece);
   if (scratch.pieces.size() < pieces) scratch.pieces.resize(pieces);
+  FindNeighbours(points, step, settings_, scratch, pool, neighbours_);
   pool.ParallelFor(points.guides(), kGuidesAPiece, [&](int begin, int end) {
-    FindPairs(points, step, settings_, steps, begin, end, scratch,
+    FindPairs(points, step, settings_, steps, begin, end, scratch, neighbours_,
               scratch.pieces[static_cast<size_t>(begin / kGuidesAPiece)]);
   });
   pairs_.clear();

@@ -75,20 +75,57 @@ struct Heaviness {
   float normal = 1, sliding = 1;
 };
 
+/// Which links of segments may meet in the steps to come (H3).
+struct WispNeighbours {
+  /// Of links, by their first points; the first's guide is before the second's.
+  struct Pair {
+    int32_t first, second;
+    float slack;  ///< They need not be looked at until they have moved by this [m].
+    int8_t segment[2];  ///< Which of each touch; the first is -1 where none do.
+  };
+  /// How a guide is cut into links.
+  struct Layout {
+    int32_t begin;      ///< First point beyond the root.
+    int32_t link;       ///< Segments of a link.
+    int32_t links = 0;  ///< Their number.
+  };
+  std::vector<int32_t> first;     ///< WispPoints::first that all is for.
+  std::vector<Layout> layout;     ///< By guide.
+  std::vector<SegmentBox> boxes;  ///< Around what links may sweep, seen from the mean of the hair;
+                                  ///< by their first points.
+  std::vector<Eigen::Vector3f> start;  ///< Of points, in the last step [m].
+  std::vector<Pair> pairs;             ///< Of overlapping boxes, by the first's guide.
+  std::vector<int32_t> first_of;       ///< By guide, and their number.
+};
+
 /// Memory of the steps of one head; grows to what it has seen and is reused.
 struct WispScratch {
-  /// A link of segments as the search first looks at it: its middle.
+  /// A segment as the search first looks at it: its middle.
   struct Middle {
     Eigen::Vector3f start;     ///< At the start of the step [m].
+    float half;                ///< Of its length [m].
     Eigen::Vector3f velocity;  ///< [m/s]
-    float reach;               ///< Two links farther apart than theirs do not meet [m].
+  };
+  /// A link of segments in a step.
+  struct Link {
+    Eigen::Vector3f middle;  ///< Of its ends at the start of the step [m],
+    float radius;            ///< and how far from it a point of it is at most.
+    Eigen::Vector3f drift;  ///< Mean velocity of its ends [m/s].
+    float spread;           ///< What a point of it will move beside that at most [m].
+    Eigen::Vector3f moved;  ///< What its ends have moved since the last step, as a mean [m],
+    float wobble;           ///< and a point of it beside that at most.
+    float half;             ///< Of its longest segment [m].
+    float reach;            ///< Its wisp's radius and margin [m].
+    int32_t guide;
+    int32_t count;  ///< Of segments.
   };
   /// Two links that may meet.
   struct Candidate {
-    int32_t second, first;   ///< First point of each.
-    int32_t guide;           ///< The second's.
-    float distance_2;        ///< Least of their middles within the step, squared [m^2].
-    bool closest_of_second;  ///< Of all links of the first's guide.
+    int32_t guide;     ///< The second's.
+    int32_t link[2];   ///< First points of both,
+    int32_t point[2];  ///< and of their segments that come closest.
+    float distance;    ///< About the least within the step [m].
+    WispNeighbours::Pair* pair;
   };
   /// Where they touch.
   struct Contact {
@@ -101,8 +138,8 @@ struct WispScratch {
   };
   /// What a piece of guides finds.
   struct Piece {
-    std::vector<Candidate> candidates;  ///< Of one guide,
-    std::vector<int32_t> nearest;       ///< and by its points, the nearest of another guide.
+    std::vector<WispNeighbours::Pair> neighbours;
+    std::vector<Candidate> candidates;  ///< Of one guide.
     std::vector<Contact> contacts;
     std::vector<WispPair> pairs;
   };
@@ -113,9 +150,12 @@ struct WispScratch {
 
   std::vector<int32_t> guide_of;  ///< Guide of the segment from each point; -1 where none is.
   std::vector<float> guide_mass;  ///< Of the points beyond the root [kg].
-  std::vector<SegmentBox> boxes;  ///< Of links of segments, by the first point of the middle one.
-  std::vector<Middle> middles;    ///< Likewise.
+  std::vector<Middle> middles;    ///< Of segments, by their first points.
+  std::vector<Link> links;        ///< Likewise.
+  std::vector<uint8_t> fits;      ///< Whether a guide's links are in their boxes.
   SegmentGrid grid;
+  std::vector<WispNeighbours::Pair> neighbours;  ///< Before the last search,
+  std::vector<int32_t> first_neighbour;          ///< and by guide, and their number.
   std::vector<Piece> pieces;
   std::vector<WispPair> pairs;     ///< Of the last step.
   std::vector<uint8_t> followed;   ///< Which of them have gone on.
@@ -156,6 +196,7 @@ class WispTracker {
   void Clear() {
     pairs_.clear();
     heaviness_.clear();
+    neighbours_.first.clear();
   }
 
   /// By the first guide, the second, and the place on the first.
@@ -164,6 +205,7 @@ class WispTracker {
 
  private:
   WispSettings settings_;
+  WispNeighbours neighbours_;
   std::vector<WispPair> pairs_;
   std::vector<Heaviness> heaviness_;  // By guide.
   double last_dt_ = 0;                // Of the last step [s].
