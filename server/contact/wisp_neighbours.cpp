@@ -16,9 +16,10 @@ constexpr float kFarthest = 1e4f;       // From the origin; beyond it float32 re
 constexpr float kLongestSweep = 0.25f;  // Of a segment among the others [m].
 constexpr float kLinkLength = 3;        // By the radius of the wisp,
 constexpr float kLongestLink = 8;       // and in segments.
-constexpr float kSpare = 0.8f;          // By which boxes are larger than need be, by the radius.
-constexpr double kMostTests = 500;      // A segment, at which sweeps are cut.
-constexpr double kFew = 1000;           // Segments that may always be tested.
+constexpr float kSpare = 0.4f;          // By which boxes are larger than need be, by the radius.
+constexpr float kAhead = 3;         // Steps more for which they last, up to it; if not twice it.
+constexpr double kMostTests = 500;  // A segment, at which sweeps are cut.
+constexpr double kFew = 1000;       // Segments that may always be tested.
 
 bool Usable(const WispPoints& points, size_t p) {
   return Within(points.Position(p), kFarthest) && Within(points.velocity[p], 1e6f) &&
@@ -103,8 +104,7 @@ SegmentBox Measure(const WispPoints& points, size_t begin, size_t count, const W
   };
   const size_t end = begin + count;
   link.drift = 0.5f * (points.velocity[begin] + points.velocity[end]);
-  link.moved =
-      0.5f * (start(begin) - neighbours.start[begin] + start(end) - neighbours.start[end]);
+  link.moved = 0.5f * (start(begin) - neighbours.start[begin] + start(end) - neighbours.start[end]);
   link.reach = reach;
   link.middle = 0.5f * (start(begin) + start(end));
   float radius = 0, half = 0, wobble = 0, spread = 0;
@@ -180,10 +180,12 @@ void Box(const WispPoints& points, size_t g, const WispStep& step, const Frame& 
          WispScratch& scratch, WispNeighbours& neighbours) {
   const auto end = static_cast<size_t>(points.first[g + 1]);
   for (auto p = static_cast<size_t>(points.first[g]); p < end; ++p) neighbours.boxes[p].guide = -1;
-  const float spare = kSpare * std::min(points.radius[g], kLargestRadius);
+  const float radius = std::min(points.radius[g], kLargestRadius);
   neighbours.layout[g].links = 0;
   ForLinks(points, g, neighbours, scratch, [&](size_t begin, size_t count) {
     SegmentBox box = Measure(points, begin, count, step, frame, neighbours, scratch);
+    const float ahead = kAhead * (scratch.links[begin].drift - frame.velocity).norm() * step.dt;
+    const float spare = kSpare * radius + (ahead < 2 * radius ? std::min(ahead, radius) : 0);
     box.low -= spare;
     box.high += spare;
     neighbours.boxes[begin] = box;
@@ -198,9 +200,9 @@ int32_t CountLinks(const WispPoints& points, size_t g, const WispNeighbours& nei
   return links;
 }
 
-bool Before(const WispNeighbours::Pair& a, const WispNeighbours::Pair& b) {
+constexpr auto Before = [](const WispNeighbours::Pair& a, const WispNeighbours::Pair& b) {
   return a.first != b.first ? a.first < b.first : a.second < b.second;
-}
+};
 
 // Neighbours of a guide that were so before keep what is known of them.
 void GoOn(size_t g, const WispScratch& scratch, std::span<WispNeighbours::Pair> found) {
@@ -214,8 +216,7 @@ void GoOn(size_t g, const WispScratch& scratch, std::span<WispNeighbours::Pair> 
 }
 
 void Search(const WispPoints& points, const WispStep& step, const WispSettings& settings,
-            Frame frame, WispScratch& scratch, exec::WorkerPool& pool,
-            WispNeighbours& neighbours) {
+            Frame frame, WispScratch& scratch, exec::WorkerPool& pool, WispNeighbours& neighbours) {
   const int guides = points.guides();
   const auto for_guides = [&](const auto& visit) {
     pool.ParallelFor(guides, kGuidesAPiece, [&](int begin, int end) {
@@ -256,7 +257,8 @@ void Search(const WispPoints& points, const WispStep& step, const WispSettings& 
         scratch.grid.ForOverlapping(static_cast<int>(p), [&](int32_t q) {
           found.push_back({static_cast<int32_t>(p), q, kUnknown, {-1, -1}});
         });
-        std::sort(found.begin() + static_cast<ptrdiff_t>(of_link), found.end(), Before);
+        std::sort(found.begin() + static_cast<ptrdiff_t>(of_link), found.end(),
+                  [](const auto& a, const auto& b) { return a.second < b.second; });
       });
       if (same) GoOn(g, scratch, std::span(found).subspan(of_guide));
       neighbours.first_of[g + 1] = static_cast<int32_t>(found.size());

@@ -80,7 +80,7 @@ struct WispNeighbours {
   /// Of links, by their first points; the first's guide is before the second's.
   struct Pair {
     int32_t first, second;
-    float slack;  ///< They need not be looked at until they have moved by this [m].
+    float slack;        ///< They need not be looked at until they have moved by this [m].
     int8_t segment[2];  ///< Which of each touch; the first is -1 where none do.
   };
   /// How a guide is cut into links.
@@ -110,12 +110,12 @@ struct WispScratch {
   struct Link {
     Eigen::Vector3f middle;  ///< Of its ends at the start of the step [m],
     float radius;            ///< and how far from it a point of it is at most.
-    Eigen::Vector3f drift;  ///< Mean velocity of its ends [m/s].
-    float spread;           ///< What a point of it will move beside that at most [m].
-    Eigen::Vector3f moved;  ///< What its ends have moved since the last step, as a mean [m],
-    float wobble;           ///< and a point of it beside that at most.
-    float half;             ///< Of its longest segment [m].
-    float reach;            ///< Its wisp's radius and margin [m].
+    Eigen::Vector3f drift;   ///< Mean velocity of its ends [m/s].
+    float spread;            ///< What a point of it will move beside that at most [m].
+    Eigen::Vector3f moved;   ///< What its ends have moved since the last step, as a mean [m],
+    float wobble;            ///< and a point of it beside that at most.
+    float half;              ///< Of its longest segment [m].
+    float reach;             ///< Its wisp's radius and margin [m].
     int32_t guide;
     int32_t count;  ///< Of segments.
   };

@@ -13,9 +13,10 @@ using Candidate = WispScratch::Candidate;
 using Contact = WispScratch::Contact;
 using Link = WispScratch::Link;
 
+// By the links' reach: how far they move until those that meet are compared again,
 constexpr float kPatience = 0.35f;
-constexpr float kLate = 0.1f;
-constexpr float kFast = 0.25f;  // What links sweep, by their reach, at which it is followed.
+constexpr float kLate = 0.1f;   // what may come in before it is seen, if not within the radii,
+constexpr float kFast = 0.25f;  // and what they sweep at which it is followed.
 
 // Distance of a candidate's segments at the start of the step [m].
 float Apart(const WispNeighbours& neighbours, const int32_t point[2]) {
@@ -36,8 +37,8 @@ void ForSegments(const Link& a, const Link& b, const int32_t link[2], const Visi
   }
 }
 
-// How far apart two links are at the start of the step, at least, and where they are closest: if no
-// farther than `near` the segments with the closest middles do.
+// How far apart two links are at the start of the step, and where they are closest: of what is
+// nearer than `near` where middles of segments are, or by the next ones; of what is not, a bound.
 float Closest(const WispNeighbours& neighbours, const WispScratch& scratch, float near,
               Candidate& candidate) {
   const Link& a = scratch.links[static_cast<size_t>(candidate.link[0])];
@@ -123,12 +124,10 @@ bool MayMeet(const WispNeighbours& neighbours, const WispStep& step, const WispS
     }
   }
   pair.segment[0] = -1;
-  if (all < kFast * reach) {
-    candidate.distance = Closest(neighbours, scratch, reach + sweep, candidate);
-    pair.slack = candidate.distance - reach;
-    return pair.slack <= sweep;
-  }
-  pair.slack = kUnknown;
+  candidate.distance = Closest(neighbours, scratch, reach + sweep, candidate);
+  pair.slack = candidate.distance - reach;
+  if (pair.slack > sweep) return false;
+  if (all < kFast * reach) return true;
   candidate.distance = Closest(step, scratch, candidate);
   return candidate.distance <= reach + a.half + b.half;
 }
@@ -152,8 +151,8 @@ void Follow(const WispScratch& scratch, const Candidate& candidate) {
   }
 }
 
-// Adds a candidate of the first's link, of which the last ones from `of_link` on are, unless another
-// with the same guide is nearer.
+// Adds a candidate of the first's link, of which the last ones from `of_link` on are, unless
+// another with the same guide is nearer.
 void Add(const WispScratch& scratch, Candidate candidate, size_t of_link,
          std::vector<Candidate>& candidates) {
   for (size_t k = of_link; k < candidates.size(); ++k) {
