@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -64,9 +65,9 @@ struct WispPair {
   float nearness;    ///< 1 where the wisps touch, 0 out of range.
   float impact;      ///< Approach from which on the first pass tells the mass [m/s], (H11).
   float fastest;     ///< Largest relative speed seen in this step [m/s].
-  Eigen::Vector3f velocity[2];       ///< Of each side in this pass,
-  Eigen::Vector3f last_velocity[2];  ///< in the last one [m/s],
-  Eigen::Vector3f last_impulse;      ///< and the impulse that led to it [kg m/s].
+  std::array<Eigen::Vector3f, 2> velocity;       ///< Of each side in this pass,
+  std::array<Eigen::Vector3f, 2> last_velocity;  ///< in the last one [m/s],
+  Eigen::Vector3f last_impulse;                  ///< and the impulse that led to it [kg m/s].
 };
 
 /// How many times heavier a strand is than its points alone, where wisps push it and where they rub
