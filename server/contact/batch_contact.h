@@ -22,7 +22,7 @@ struct BatchContactSettings {
   double thickness = 5e-4;      ///< [m]
   double root_length = 5e-3;    ///< [m]
   double recovery_speed = 0.2;  ///< What lies deep inside comes out so fast at most [m/s],
-  double recovery_pull = 2000;  ///< pulled by so much at most [m/s^2] (K1).
+  double recovery_pull = 2000;  ///< pulled by so much at most [m/s^2] (K9).
 };
 
 /// How a group moves in a step of a head.
@@ -32,7 +32,7 @@ struct BatchContactSettings {
 [[nodiscard]] GroupMotion MotionOf(const BodyMotion& group, const rod::ClampMotion& head);
 
 /// Points of each element of a block at which it meets bodies: as few as lie within 15 mm of each
-/// other and leave no more than 2 mm of curl between them, 1 to 10.
+/// other on an element of mean length and leave no more than 2 mm of curl between them, 1 to 10.
 [[nodiscard]] int PointsPerElement(const rod::Batch<float>& batch,
                                    const rod::Batch<float>::Block& block);
 
@@ -63,7 +63,7 @@ struct BatchContact {
   double surprise = 0;  ///< How far strands may move besides what they did in the last step [m].
 };
 
-/// One step of one block among bodies, in stages (contact.md, K1 to K8): Begin; Solve; Revise;
+/// One step of one block among bodies, in stages (contact.md, K1 to K9): Begin; Solve; Revise;
 /// Solve; Finish, and Solve again while it asks for that; Commit. Between them the velocities of
 /// all points may be read, and impulses set that others give.
 class BlockStep {

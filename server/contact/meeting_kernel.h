@@ -1,6 +1,6 @@
 #pragma once
 
-/// How points of a block of strands meet bodies in a step (contact.md, K1 to K8), lane by lane;
+/// How points of a block of strands meet bodies in a step (contact.md, K1 to K9), lane by lane;
 /// only for sources that define MANE_ISA.
 
 #include "contact/meeting_layout.h"
@@ -109,7 +109,7 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
         const V start = gap - h * towards, out = Dot(n, surface);
         const V allowed = start < 0.0F ? start : V{};
         const V least = (1.0F / dt) * (allowed - gap + h * Dot(n, last) + (dt - h) * out);  // K2
-        // K1
+        // K9
         const V back = (-1.0F / dt) * allowed;
         const V speed = back < numbers.recovery_speed ? back : All(numbers.recovery_speed);
         // A coil gives way.
@@ -213,7 +213,7 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
   // K3); less than in double precision, as float32 has six digits for them and the free directions.
   static constexpr float kPressing = 1e3F;
   static constexpr float kHolding = 4e3F;
-  static constexpr float kLiftDepth = 1e-3F;  // At which what lifts is at its most (K1) [m].
+  static constexpr float kLiftDepth = 1e-3F;  // At which what lifts is at its most (K9) [m].
   static constexpr float kBulge = 3e-3F;      // Most that a strand keeps away for its curl [m].
   static constexpr float kCoilSoftness = 3;
   static constexpr float kPlaneReach = 1.2e-3F;  // K7 [m]

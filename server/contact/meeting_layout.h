@@ -26,7 +26,7 @@ enum Meeting : int {
   kLeast,       ///< v of (K2) [m/s].
   kStiff,       ///< What keeps it from going on, per speed that it lacks (K2) [rho S l0]; 0 where
                 ///< nothing.
-  kLift,        ///< What lifts it out, per speed that it lacks (K1) [rho S l0],
+  kLift,        ///< What lifts it out, per speed that it lacks (K9) [rho S l0],
   kLiftSpeed,   ///< and to which speed along the normal [m/s].
   kRub,         ///< +1 where it is held across, -1 where it slides, 0 where it touches nothing.
   kMeetingRows  ///< Rows in all.
@@ -47,7 +47,7 @@ struct MeetingNumbers {
   float dt;              ///< [s]
   float thickness;       ///< Strands' centrelines keep this far from surfaces [m].
   float root_length;     ///< The first of a strand is not looked at [m].
-  float recovery_speed;  ///< v_r of (K1) [m/s], and
+  float recovery_speed;  ///< v_r of (K9) [m/s], and
   float recovery_pull;   ///< a_r [m/s^2].
   float surprise;        ///< How far strands may move in dt besides what they did before [m].
 };

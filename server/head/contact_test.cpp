@@ -17,10 +17,9 @@
 #include <vector>
 
 #include "contact/shape.h"
-#include "groom/assemble.h"
-#include "groom/generate.h"
 #include "head/frame.h"
 #include "head/head.h"
+#include "head/sample_groom.h"
 
 namespace mane::head {
 namespace {
@@ -29,21 +28,9 @@ using Eigen::Vector3d;
 
 constexpr int kPoints = 31;
 
+// Hair of a type on a scalp that it meets.
 std::shared_ptr<const groom::Groom> Hair(groom::HairType type, double length, int guides) {
-  groom::Ellipsoid head;
-  head.center = {0, 0.1, 0.02};
-  head.radii = {0.078, 0.11, 0.098};
-  head.cap_axis = {0, 1, -0.3};
-  head.cap_angle = 1.4;
-  groom::Generation generation;
-  generation.hair_type = type;
-  generation.guide_count = static_cast<uint32_t>(guides);
-  generation.length_m = length;
-  generation.seed = 3;
-  groom::Parts parts;
-  parts.scalp = head;
-  parts.guides = *groom::Generate(head, generation, {});
-  auto groom = std::make_shared<groom::Groom>(**groom::Assemble(std::move(parts), {}, nullptr));
+  auto groom = std::make_shared<groom::Groom>(*GeneratedGroom(type, guides, length, 0));
   groom->scalp_friction = groom::Friction{};
   return groom;
 }

@@ -15,7 +15,8 @@ enum class SampleHair { kPlain, kWound, kMixed };
 [[nodiscard]] std::shared_ptr<const groom::Groom> SampleGroom(int guides, int elements,
                                                               SampleHair hair = SampleHair::kMixed);
 
-/// Guides of a preset, generated on the upper part of an ellipsoid the size of a head.
+/// Guides of a preset, generated on the upper part of an ellipsoid the size of a head; `elements` 0
+/// lets their number be chosen.
 [[nodiscard]] std::shared_ptr<const groom::Groom> GeneratedGroom(groom::HairType type, int guides,
                                                                  double length, int elements);
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
+#include <optional>
 
 #include "contact/density_grid.h"
 #include "contact/wisp_pairs.h"
@@ -33,7 +33,7 @@ struct Lists {
 // One thread's memory for steps of heads whose wisps meet.
 struct Memory {
   std::vector<contact::BatchContactScratch> scratch;  // By block.
-  std::vector<std::unique_ptr<BlockStep>> steps;
+  std::vector<std::optional<BlockStep>> steps;
   std::vector<const contact::BodyGroup*> groups;
   Lists position, last, velocity, impulse, volume;
   contact::WispScratch wisps;
@@ -126,8 +126,7 @@ void StepAmongWisps(const groom::Groom& groom, const WispStep& step,
        {&memory.position, &memory.last, &memory.velocity, &memory.impulse, &memory.volume}) {
     lists->Resize(points);
   }
-  memory.steps.clear();
-  memory.steps.resize(blocks.size());
+  if (memory.steps.size() < blocks.size()) memory.steps.resize(blocks.size());
   failed->resize(blocks.size());
   const contact::BatchContact among{Kernels(),    Meetings(), memory.groups,
                                     step.motions, {},         step.surprise};
@@ -142,12 +141,11 @@ void StepAmongWisps(const groom::Groom& groom, const WispStep& step,
 
   for_blocks([&](int i) {
     const Contact::Block& block = contact->blocks[i];
-    memory.steps[i] =
-        std::make_unique<BlockStep>(among, groom.batch, blocks[i], block.per_element,
-                                    step.drives[step.drives.size() == 1 ? 0 : i],
-                                    std::span(contact->memory).subspan(block.first, block.rows),
-                                    guides, memory.scratch[i], true);
-    BlockStep& own_step = *memory.steps[i];
+    BlockStep& own_step =
+        memory.steps[i].emplace(among, groom.batch, blocks[i], block.per_element,
+                                step.drives[step.drives.size() == 1 ? 0 : i],
+                                std::span(contact->memory).subspan(block.first, block.rows), guides,
+                                memory.scratch[i], true);
     own_step.Begin();
     for_points(i, blocks[i].count, [&](int point, int lane, int index) {
       memory.position.Set(index, own_step.Position(point, lane));

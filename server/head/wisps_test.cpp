@@ -15,9 +15,9 @@
 #include <vector>
 
 #include "groom/assemble.h"
-#include "groom/generate.h"
 #include "groom/validate.h"
 #include "head/head.h"
+#include "head/sample_groom.h"
 #include "rod/chain.h"
 
 namespace mane::head {
@@ -36,21 +36,10 @@ class WispsTest : public testing::Test {
 
 // Guides of a type all over a head, each with the wisp around it that covers its share of scalp.
 std::shared_ptr<const groom::Groom> Hair(groom::HairType type, int guides, double length) {
-  groom::Ellipsoid head;
-  head.radii = {0.078, 0.11, 0.098};
-  head.cap_axis = {0, 1, -0.3};
-  head.cap_angle = 1.4;
-  groom::Generation generation;
-  generation.hair_type = type;
-  generation.guide_count = static_cast<uint32_t>(guides);
-  generation.length_m = length;
-  generation.seed = 3;
-  groom::Parts parts;
-  parts.scalp = head;
-  parts.guides = *groom::Generate(head, generation, {});
-  for (groom::Guide& guide : parts.guides) guide.wisp_radius = 0.09 / std::sqrt(guides);
-  parts.scalp_friction = groom::Friction{};
-  return *groom::Assemble(std::move(parts), {}, nullptr);
+  auto groom = std::make_shared<groom::Groom>(*GeneratedGroom(type, guides, length, 0));
+  for (groom::Guide& guide : groom->guides) guide.wisp_radius = 0.09 / std::sqrt(guides);
+  groom->scalp_friction = groom::Friction{};
+  return groom;
 }
 
 // Straight hair that hangs from the points `roots`.

@@ -4,39 +4,29 @@
 /// when they are linearised, Solve advances them with what presses and rubs there. Only for sources
 /// that define MANE_ISA.
 
+#include "rod/batch_inertia.h"
 #include "rod/batch_step.h"
 #include "rod/batch_wound_step.h"
 
 namespace mane::rod {
 namespace MANE_ISA {
 
-/// Points of an element are at the fractions k / per_element, k = 1 .. per_element.
-template <typename T>
-[[gnu::always_inline]] inline T FractionOf(int k, int per_element) {
-  return T(k + 1) / T(per_element);
-}
-
 // Super-Helices.
 
 template <typename T, int W>
-struct StrandStep<T, W>::Loads {
-  int per_element;
-  const T* rows;                 ///< Of the element's points: loads,
-  const unsigned char* loaded;   ///< whether any lane has one, and whether
-  const unsigned char* watched;  ///< its velocity is wanted,
-  const PointShape* shapes;      ///< and shapes.
-  T* velocities;                 ///< Of the points, out.
-  V unit, inverse_unit;          ///< l0 and 1 / l0.
+struct StrandStep<T, W>::Loads : ElementLoads {
+  using ElementLoads::At;
+  using ElementLoads::FractionOf;
+  using ElementLoads::loaded;
+  using ElementLoads::per_element;
+  using ElementLoads::shapes;
 
-  [[nodiscard]] PointLoad At(int k) const {
-    return {rows + k * layout::kLoadRows * layout::kLanes, inverse_unit};
-  }
   void Add(const V& length, const Element& e, RateCost& rates, CostToGo& left) const {
     for (int k = 0; k < per_element; ++k) {
       if (loaded[k] == 0) continue;
       const PointLoad load = At(k);
       Vec J[3], P[3], d;
-      PointColumns(e, length, FractionOf<T>(k, per_element), shapes[k], d, J);
+      PointColumns(e, length, FractionOf(k), shapes[k], d, J);
       for (int i = 0; i < 3; ++i) P[i] = load.Times(J[i]);
       rates.Hv1.x += P[0], rates.Hv1.y += P[1], rates.Hv1.z += P[2];
       rates.Hv2.x += Cross(d, P[0]), rates.Hv2.y += Cross(d, P[1]), rates.Hv2.z += Cross(d, P[2]);
@@ -44,18 +34,6 @@ struct StrandStep<T, W>::Loads {
       rates.H.xx += Dot(J[0], P[0]), rates.H.xy += Dot(J[0], P[1]), rates.H.xz += Dot(J[0], P[2]);
       rates.H.yy += Dot(J[1], P[1]), rates.H.yz += Dot(J[1], P[2]), rates.H.zz += Dot(J[2], P[2]);
       Base::AddLoad(load, d, left);
-    }
-  }
-  void Stop(Vec& u) const {
-    for (int k = 0; k < per_element; ++k) {
-      if (loaded[k] != 0) At(k).Stop(u);
-    }
-  }
-  void Show(const Field& along, const Vec& velocity) const {
-    for (int k = 0; k < per_element; ++k) {
-      if (watched[k] == 0) continue;
-      const Vec u = velocity + along.At(All(FractionOf<double>(k, per_element)), shapes[k]);
-      Put(unit * u, velocities, 3 * k);
     }
   }
 };
@@ -76,7 +54,7 @@ void StrandStep<T, W>::Approach(int N, int per_element, const T* constants, cons
     const Field along = FieldOf(e, length, spin, v);
     const auto reduction = Reduce(e.zeta);
     for (int k = 0; k < per_element; ++k, ++shapes) {
-      const T s = FractionOf<T>(k, per_element);
+      const T s = T(k + 1) / T(per_element);
       V phi1;  // s c1
       if (k + 1 == per_element) {
         *shapes = EndShape(e);
@@ -108,38 +86,27 @@ void StrandStep<T, W>::Solve(int N, int per_element, const T* constants, const T
   const Clamp clamp = ReadClamp(constants, drive);
   const Constants step = Prepare(constants, drive, clamp.velocity);
   const V unit = Row(constants, layout::kUnit), inverse = Row(constants, layout::kInverseUnit);
-  const auto loads_of = [&](int Q) __attribute__((always_inline)) {
-    const int first = Q * per_element;
-    return Loads{per_element,    loads + first * layout::kLoadRows * layout::kLanes,
-                 loaded + first, watched + first,
-                 shapes + first, velocities + 3 * first * layout::kLanes,
-                 unit,           inverse};
-  };
+  const ElementLoads first{per_element, loads, loaded, watched, shapes, velocities, unit, inverse};
+  const auto loads_of = [&](int Q) __attribute__((always_inline)) { return Loads{first.Of(Q)}; };
   SolveWith(N, clamp, step, constants, drive, state, loads_of, scratch, next, size);
 }
 
 // Wound strands: points of the axis.
 
 template <typename T, int W>
-struct WoundStep<T, W>::Loads {
-  int per_element;
-  const T* rows;
-  const unsigned char* loaded;
-  const unsigned char* watched;
-  const PointShape* shapes;
-  T* velocities;
-  V unit, inverse_unit;
+struct WoundStep<T, W>::Loads : ElementLoads {
+  using ElementLoads::At;
+  using ElementLoads::FractionOf;
+  using ElementLoads::loaded;
+  using ElementLoads::per_element;
+  using ElementLoads::shapes;
 
-  [[nodiscard]] PointLoad At(int k) const {
-    return {rows + k * layout::kLoadRows * layout::kLanes, inverse_unit};
-  }
   void Add(const V& length, const Element& e, RateCost& rates, CostToGo& left) const {
     for (int k = 0; k < per_element; ++k) {
       if (loaded[k] == 0) continue;
       const PointLoad load = At(k);
       const PointShape& shape = shapes[k];
-      const Vec p =
-          All(FractionOf<T>(k, per_element)) * e.R.n0 + shape.phi2 * e.A + shape.phi3 * e.B();
+      const Vec p = All(FractionOf(k)) * e.R.n0 + shape.phi2 * e.A + shape.phi3 * e.B();
       Columns J = AxisColumns(e, p, shape.phi2, shape.phi3, shape.psi2, shape.psi3);
       const Vec d = (length * e.axis.stretch) * p;
       for (int i = 0; i < n; ++i) {
@@ -151,18 +118,6 @@ struct WoundStep<T, W>::Loads {
         for (int j = 0; j <= i; ++j) rates.H[i][j] += Dot(J.J[j], P);
       }
       Base::AddLoad(load, d, left);
-    }
-  }
-  void Stop(Vec& u) const {
-    for (int k = 0; k < per_element; ++k) {
-      if (loaded[k] != 0) At(k).Stop(u);
-    }
-  }
-  void Show(const Field& along, const Vec& velocity) const {
-    for (int k = 0; k < per_element; ++k) {
-      if (watched[k] == 0) continue;
-      const Vec u = velocity + along.At(All(FractionOf<double>(k, per_element)), shapes[k]);
-      Put(unit * u, velocities, 3 * k);
     }
   }
 };
@@ -186,7 +141,7 @@ void WoundStep<T, W>::Approach(int N, int per_element, const T* constants, const
     const Field along = FieldOf(e, length, spin, v);
     const auto reduction = Reduce(e.zeta);
     for (int k = 0; k < per_element; ++k, ++shapes) {
-      const T s = FractionOf<T>(k, per_element);
+      const T s = T(k + 1) / T(per_element);
       V phi1;  // s c1
       if (k + 1 == per_element) {
         *shapes = EndShape(e);
@@ -218,13 +173,8 @@ void WoundStep<T, W>::Solve(int N, int per_element, const T* constants, const T*
   const Clamp clamp = AxisClamp(constants, drive);
   const Constants step = Prepare(constants, drive, clamp.velocity);
   const V unit = Row(constants, layout::kUnit), inverse = Row(constants, layout::kInverseUnit);
-  const auto loads_of = [&](int Q) __attribute__((always_inline)) {
-    const int first = Q * per_element;
-    return Loads{per_element,    loads + first * layout::kLoadRows * layout::kLanes,
-                 loaded + first, watched + first,
-                 shapes + first, velocities + 3 * first * layout::kLanes,
-                 unit,           inverse};
-  };
+  const ElementLoads first{per_element, loads, loaded, watched, shapes, velocities, unit, inverse};
+  const auto loads_of = [&](int Q) __attribute__((always_inline)) { return Loads{first.Of(Q)}; };
   SolveWith(N, clamp, step, constants, drive, state, loads_of, scratch, next, size);
 }
 

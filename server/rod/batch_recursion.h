@@ -19,6 +19,7 @@ struct Recursion : StumpffOf<T, W> {
   using Lanewise<T, W>::Rows;
   using Lanewise<T, W>::FrameRows;
   using Lanewise<T, W>::Expect;
+  using Lanewise<T, W>::Put;
 
   /// Constants of a step.
   struct Constants {
@@ -160,6 +161,50 @@ struct Recursion : StumpffOf<T, W> {
     template <typename S>
     [[nodiscard, gnu::always_inline]] Vec At(const S& s, const PointShape& p) const {
       return s * X1 + p.phi2 * X2 + p.phi3 * X3 + p.psi2 * Y2 + p.psi3 * Y3;
+    }
+  };
+
+  /// What a step does for points of its elements where there are none.
+  struct NoLoads {
+    template <typename... Step>
+    void Add(const Step&... /*step*/) const {}
+    void Stop(Vec& /*u*/) const {}
+    void Show(const Field& /*along*/, const Vec& /*velocity*/) const {}
+  };
+
+  /// Loads on points of one element, at the fractions FractionOf(k); each kind of strand adds them
+  /// to its own cost.
+  struct ElementLoads {
+    int per_element;
+    const T* rows;                 ///< Of the element's points: loads,
+    const unsigned char* loaded;   ///< whether any lane has one,
+    const unsigned char* watched;  ///< and whether its velocity is wanted;
+    const PointShape* shapes;      ///< shapes of the points,
+    T* velocities;                 ///< and their velocities, out.
+    V unit, inverse_unit;          ///< l0 and 1 / l0.
+
+    /// Those of element Q, where these are of the first.
+    [[nodiscard]] ElementLoads Of(int Q) const {
+      const int first = Q * per_element;
+      return {per_element,    rows + first * layout::kLoadRows * layout::kLanes,
+              loaded + first, watched + first,
+              shapes + first, velocities + 3 * first * layout::kLanes,
+              unit,           inverse_unit};
+    }
+    [[nodiscard]] T FractionOf(int k) const { return T(k + 1) / T(per_element); }
+    [[nodiscard]] PointLoad At(int k) const {
+      return {rows + k * layout::kLoadRows * layout::kLanes, inverse_unit};
+    }
+    void Stop(Vec& u) const {
+      for (int k = 0; k < per_element; ++k) {
+        if (loaded[k] != 0) At(k).Stop(u);
+      }
+    }
+    void Show(const Field& along, const Vec& velocity) const {
+      for (int k = 0; k < per_element; ++k) {
+        if (watched[k] == 0) continue;
+        Put(unit * (velocity + along.At(All(FractionOf(k)), shapes[k])), velocities, 3 * k);
+      }
     }
   };
 

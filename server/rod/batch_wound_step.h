@@ -30,7 +30,9 @@ class WoundStep : WoundAxis<T, W> {
   using typename Base::Clamp;
   using typename Base::Constants;
   using typename Base::CostToGo;
+  using typename Base::ElementLoads;
   using typename Base::Field;
+  using typename Base::NoLoads;
   using typename Base::PointLoad;
   using typename Base::V;
   using typename Base::Vec;
@@ -74,13 +76,6 @@ class WoundStep : WoundAxis<T, W> {
     V H[n][n];
     Vec Hv1[n], Hv2[n];
     V g[n];
-  };
-  // What a step does for points of its elements; this one nothing.
-  struct NoLoads {
-    void Add(const V& /*length*/, const Element& /*element*/, RateCost& /*rates*/,
-             CostToGo& /*left*/) const {}
-    void Stop(Vec& /*u*/) const {}
-    void Show(const Field& /*along*/, const Vec& /*velocity*/) const {}
   };
   // Loads on points of one element's axis.
   struct Loads;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "head/wisps.h"
+
 namespace mane::session {
 namespace {
 
@@ -20,7 +22,8 @@ double PointCount(const groom::Groom& groom, const head::View& view) {
 }  // namespace
 
 double StepWork(const groom::Groom& groom, int steps) {
-  const int each = groom.has_contact ? kContactSteps : 1;
+  double each = groom.has_contact ? kContactSteps : 1;
+  if (groom.has_contact && head::HasWisps(groom)) each += kWispSteps * groom.guide_count();
   return static_cast<double>(groom.stepped_elements()) * steps * each;
 }
 

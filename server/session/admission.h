@@ -12,9 +12,12 @@ namespace mane::session {
 /// element-steps that take about as long. All are estimates, made to tell what fits easily from
 /// what cannot; the notices of late frames tell the truth.
 
-/// Element-steps that a time step of one element counts as where hair meets bodies, the scalp or
-/// other wisps: distances, forces and friction at several points of it.
-inline constexpr int kContactSteps = 4;
+/// Element-steps that a time step of one element counts as where hair meets bodies or the scalp:
+/// distances, forces and friction at several points of it; of wavy hair, which has most
+/// (`tests/bench/run contact`).
+inline constexpr int kContactSteps = 7;
+/// What it counts as on top for every guide of a groom whose wisps meet (likewise).
+inline constexpr double kWispSteps = 0.7;
 /// Element-steps that the diagnostics of one element count as, as measured against AVX-512's
 /// (`tests/bench/run rod`); they take some 430 ns.
 inline constexpr int kDiagnosticsSteps = 16;

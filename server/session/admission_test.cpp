@@ -82,13 +82,16 @@ TEST_F(AdmissionTest, AWoundElementCountsTwice) {
   EXPECT_DOUBLE_EQ(RealtimeLoad(*wound, options), 60 * (2 * 48 + 2000 + 12 * 16 / 2));
 }
 
-TEST_F(AdmissionTest, AnElementThatMeetsSomethingCountsAsFour) {
+TEST_F(AdmissionTest, AnElementThatMeetsBodiesCountsAsSevenAndOfWispsByTheirNumber) {
   const auto groom = SampleGroomWithBodies(12, 4);  // Plain and wound guides: 60 element-steps.
   HeadOptions options;
-  const double work = 4.0 * groom->stepped_elements();
+  const double work = 7.0 * groom->stepped_elements();
   EXPECT_DOUBLE_EQ(RealtimeLoad(*groom, options), 60 * (work + 2000 + 12 * 16 / 2));
   EXPECT_DOUBLE_EQ(StepWork(*groom, 3), 3 * work);
   EXPECT_DOUBLE_EQ(StepWork(*groom_, 3), 3 * 48);
+  groom::Groom wisps = *groom;
+  wisps.guides[3].wisp_radius = 0.005;
+  EXPECT_DOUBLE_EQ(StepWork(wisps, 1), (7 + 0.7 * 12) * groom->stepped_elements());
 }
 
 TEST_F(AdmissionTest, EightHeadsOfAHundredGuidesFitWithAmpleRoom) {

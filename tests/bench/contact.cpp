@@ -21,6 +21,7 @@
 #include "head/bodies.h"
 #include "head/head.h"
 #include "head/kernels.h"
+#include "median.h"
 #include "rod/batch.h"
 
 namespace mane {
@@ -37,21 +38,6 @@ math::Pose HeadAt(int frame) {
   const double t = frame * kDt, step = 2 * std::numbers::pi * 2 * t;
   return {{0.015 * std::sin(step / 2), 0.02 * std::sin(step), kWalk * t},
           math::FromRotationVector({0.03 * std::sin(step), 0.3 * std::sin(1.3 * t), 0})};
-}
-
-// Median seconds of one call of `work`, which is repeated for about `seconds`.
-double Median(double seconds, const std::function<void(int)>& work) {
-  using Clock = std::chrono::steady_clock;
-  const auto now = [] { return std::chrono::duration<double>(Clock::now().time_since_epoch()); };
-  std::vector<double> times;
-  const auto end = now() + std::chrono::duration<double>(seconds);
-  for (int i = 0; now() < end || times.size() < 9; ++i) {
-    const auto start = now();
-    work(i);
-    times.push_back((now() - start).count());
-  }
-  std::ranges::nth_element(times, times.begin() + times.size() / 2);
-  return times[times.size() / 2];
 }
 
 // A head of 5,000 triangles with a nose and ears, so to say: an ellipsoid with waves.

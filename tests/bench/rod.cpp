@@ -17,6 +17,7 @@
 #include "head/frame.h"
 #include "head/head.h"
 #include "head/sample_groom.h"
+#include "median.h"
 #include "rod/batch.h"
 #include "rod/scheme.h"
 #include "rod/step.h"
@@ -34,21 +35,6 @@ constexpr double kDt = 1.0 / 60;
 math::Pose HeadAt(int frame) {
   const double t = frame * kDt;
   return {{0.01 * std::sin(9 * t), 0, 0}, math::FromRotationVector({0, 0.1 * std::sin(7 * t), 0})};
-}
-
-// Median seconds of one call of `work`, which is repeated for about `seconds`.
-double Median(double seconds, const std::function<void(int)>& work) {
-  using Clock = std::chrono::steady_clock;
-  const auto now = [] { return std::chrono::duration<double>(Clock::now().time_since_epoch()); };
-  std::vector<double> times;
-  const auto end = now() + std::chrono::duration<double>(seconds);
-  for (int i = 0; now() < end || times.size() < 5; ++i) {
-    const auto start = now();
-    work(i);
-    times.push_back((now() - start).count());
-  }
-  std::ranges::nth_element(times, times.begin() + times.size() / 2);
-  return times[times.size() / 2];
 }
 
 // Guides of the sample groom, `count` of them with N elements, once more as plain strands.
