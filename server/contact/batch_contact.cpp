@@ -18,8 +18,12 @@ constexpr double kPointSpacing = 0.015;  // [m]
 constexpr double kLargestBulge = 2e-3;   // Of curled hair between two points [m].
 constexpr int kMostPoints = 10;
 
-void Reserve(const Block& block, int per_element, BatchContactScratch* scratch) {
-  const size_t points = static_cast<size_t>(block.elements) * per_element;
+int ElementRows(const Block& block) {
+  return block.kind == rod::layout::Kind::kWound ? int{rod::layout::kConstantsPerWoundElement}
+                                                 : int{rod::layout::kConstantsPerElement};
+}
+
+void Reserve(const Block& block, size_t points, BatchContactScratch* scratch) {
   const auto grow = [](size_t size, auto* list) {
     if (list->size() < size) list->resize(size);
   };
@@ -109,28 +113,26 @@ GroupMotion MotionOf(const BodyMotion& group, const rod::ClampMotion& head) {
   return motion;
 }
 
-int PointsPerElement(const rod::Batch<float>& batch, const Block& block) {
+std::vector<int> FirstPoints(const rod::Batch<float>& batch, const Block& block) {
   const float* const constants = batch.constants(block);
   const float* const unit = constants + rod::layout::kUnit * kLanes;
   const bool wound = block.kind == rod::layout::Kind::kWound;
-  double count = 1;
-  for (int lane = 0; lane < kLanes; ++lane) {
-    count = std::max(count, unit[lane] / kPointSpacing);
-    if (wound) continue;
-    const float* element = constants + rod::layout::kFirstElement * kLanes + lane;
-    for (int Q = 0; Q < block.elements;
-         ++Q, element += rod::layout::kConstantsPerElement * kLanes) {
-      const double bend = std::hypot(element[(rod::layout::kNatural + 1) * kLanes],
-                                     element[(rod::layout::kNatural + 2) * kLanes]);
-      const double length = unit[lane] * element[rod::layout::kLength * kLanes];
+  const float* element = constants + rod::layout::kFirstElement * kLanes;
+  std::vector<int> first = {0};
+  for (int Q = 0; Q < block.elements; ++Q, element += ElementRows(block) * kLanes) {
+    double count = 1;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const double length = unit[lane] * element[rod::layout::kLength * kLanes + lane];
+      count = std::max(count, length / kPointSpacing);
+      if (wound) continue;
+      const double bend = std::hypot(element[(rod::layout::kNatural + 1) * kLanes + lane],
+                                     element[(rod::layout::kNatural + 2) * kLanes + lane]);
       count = std::max(count, std::sqrt(length * bend / (8 * kLargestBulge)));
     }
+    first.push_back(first.back() +
+                    static_cast<int>(std::ceil(std::min<double>(count - 1e-3, kMostPoints))));
   }
-  return static_cast<int>(std::ceil(std::min<double>(count - 1e-3, kMostPoints)));
-}
-
-size_t MemoryRows(const Block& block, int per_element, size_t groups) {
-  return static_cast<size_t>(block.elements) * per_element * (1 + groups * kSeenRows);
+  return first;
 }
 
 void Forget(std::span<Row<float>> memory) {
@@ -140,25 +142,25 @@ void Forget(std::span<Row<float>> memory) {
 }
 
 BlockStep::BlockStep(const BatchContact& contact, const rod::Batch<float>& batch,
-                     const Block& block, int per_element,
+                     const Block& block, std::span<const int> first_point,
                      std::span<const Row<float>, rod::layout::kDriveRows> drive,
                      std::span<Row<float>> memory, std::span<Row<float>> state,
                      BatchContactScratch& scratch, bool watch_all)
     : contact_(contact),
       kernels_(contact.step.Of(block.kind)),
       block_(block),
-      per_element_(per_element),
-      points_(block.elements * per_element),
+      first_point_(first_point),
+      points_(first_point.back()),
       drive_(drive),
       memory_(memory),
       state_(state.subspan(block.state, static_cast<size_t>(block.elements) *
                                             rod::layout::StateRowsPerElement(block.kind))),
       scratch_(scratch),
       constants_(batch.constants(block)),
-      bytes_(scratch.step.Reserve(static_cast<size_t>(block.elements) *
-                                  kernels_.approach_per_element(per_element))) {
-  MANE_CHECK(memory.size() == MemoryRows(block, per_element, contact.groups.size()));
-  Reserve(block, per_element, &scratch);
+      bytes_(scratch.step.Reserve(kernels_.approach_scratch(block.elements, points_))) {
+  MANE_CHECK(std::ssize(first_point) == block.elements + 1);
+  MANE_CHECK(memory.size() == MemoryRows(points_, contact.groups.size()));
+  Reserve(block, points_, &scratch);
   if (watch_all) std::fill_n(scratch.watched.begin(), points_, 1);
   const float dt = drive[rod::layout::kDuration].lane[0];
   const BatchContactSettings& settings = contact.settings;
@@ -171,7 +173,7 @@ BlockStep::BlockStep(const BatchContact& contact, const rod::Batch<float>& batch
 
 MeetingBlock BlockStep::Meetings() {
   return {block_.elements,
-          per_element_,
+          first_point_.data(),
           block_.kind == rod::layout::Kind::kWound,
           constants_,
           scratch_.points[0].lane,
@@ -182,8 +184,8 @@ MeetingBlock BlockStep::Meetings() {
 }
 
 void BlockStep::Begin() {
-  kernels_.approach(block_.elements, per_element_, constants_, drive_[0].lane, state_[0].lane,
-                    bytes_, scratch_.points[0].lane);
+  kernels_.approach(block_.elements, first_point_.data(), constants_, drive_[0].lane,
+                    state_[0].lane, bytes_, scratch_.points[0].lane);
   const float* const points = scratch_.points[0].lane;
   for (size_t g = 0; g < contact_.groups.size(); ++g) {
     Row<float>* const seen = memory_.data() + points_ + g * points_ * kSeenRows;
@@ -207,7 +209,7 @@ void BlockStep::Begin() {
 }
 
 void BlockStep::Solve() {
-  kernels_.solve(block_.elements, per_element_, constants_, drive_[0].lane, state_[0].lane,
+  kernels_.solve(block_.elements, first_point_.data(), constants_, drive_[0].lane, state_[0].lane,
                  scratch_.loads[0].lane, scratch_.loaded.data(), scratch_.watched.data(), bytes_,
                  scratch_.next[0].lane, scratch_.velocities[0].lane, size_.lane);
 }
@@ -217,7 +219,8 @@ bool BlockStep::Revise() {
 }
 
 bool BlockStep::Finish() {
-  return contact_.meetings.finish(Meetings(), scratch_.velocities[0].lane, memory_[0].lane) &&
+  const bool last = corrections_ + 1 == kCorrections;
+  return contact_.meetings.finish(Meetings(), scratch_.velocities[0].lane, last, memory_[0].lane) &&
          corrections_++ < kCorrections;
 }
 
@@ -237,13 +240,11 @@ Eigen::Vector3f BlockStep::Velocity(int point, int lane) const {
 }
 
 float BlockStep::Mass(int point, int lane) const {
-  const int rows = block_.kind == rod::layout::Kind::kWound
-                       ? int{rod::layout::kConstantsPerWoundElement}
-                       : int{rod::layout::kConstantsPerElement};
-  const int length =
-      rod::layout::kFirstElement + point / per_element_ * rows + rod::layout::kLength;
+  const auto next = std::upper_bound(first_point_.begin(), first_point_.end(), point);
+  const int Q = static_cast<int>(next - first_point_.begin()) - 1;
+  const int length = rod::layout::kFirstElement + Q * ElementRows(block_) + rod::layout::kLength;
   return constants_[rod::layout::kUnitMass * kLanes + lane] * constants_[length * kLanes + lane] /
-         static_cast<float>(per_element_);
+         static_cast<float>(first_point_[Q + 1] - first_point_[Q]);
 }
 
 void BlockStep::SetImpulse(int point, int lane, const Eigen::Vector3f& impulse) {
@@ -254,11 +255,11 @@ void BlockStep::SetImpulse(int point, int lane, const Eigen::Vector3f& impulse) 
 }
 
 uint32_t StepBlockAmong(const BatchContact& contact, const rod::Batch<float>& batch,
-                        const Block& block, int per_element,
+                        const Block& block, std::span<const int> first_point,
                         std::span<const Row<float>, rod::layout::kDriveRows> drive,
                         std::span<Row<float>> memory, std::span<Row<float>> state,
                         BatchContactScratch& scratch) {
-  BlockStep step(contact, batch, block, per_element, drive, memory, state, scratch);
+  BlockStep step(contact, batch, block, first_point, drive, memory, state, scratch);
   step.Begin();
   step.Solve();
   if (step.Revise()) step.Solve();

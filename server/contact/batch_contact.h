@@ -31,14 +31,16 @@ struct BatchContactSettings {
 ///   to `end` within head.dt.
 [[nodiscard]] GroupMotion MotionOf(const BodyMotion& group, const rod::ClampMotion& head);
 
-/// Points of each element of a block at which it meets bodies: as few as lie within 15 mm of each
-/// other on an element of mean length and leave no more than 2 mm of curl between them, 1 to 10.
-[[nodiscard]] int PointsPerElement(const rod::Batch<float>& batch,
-                                   const rod::Batch<float>::Block& block);
+/// First of the points of each element of a block at which it meets bodies, and how many there are
+/// in all, (N + 1): of an element as few as lie within 15 mm of each other and leave no more than 2
+/// mm of curl between them on every strand, 1 to 10.
+[[nodiscard]] std::vector<int> FirstPoints(const rod::Batch<float>& batch,
+                                           const rod::Batch<float>::Block& block);
 
 /// Rows that are remembered of a block from step to step; as Forget leaves them at first.
-[[nodiscard]] size_t MemoryRows(const rod::Batch<float>::Block& block, int per_element,
-                                size_t groups);
+[[nodiscard]] constexpr size_t MemoryRows(int points, size_t groups) {
+  return static_cast<size_t>(points) * (1 + groups * kSeenRows);
+}
 
 /// Nothing is remembered: neither what was seen nor what was pressed.
 void Forget(std::span<rod::Row<float>> memory);
@@ -70,10 +72,11 @@ class BlockStep {
  public:
   /// All references must outlive it.
   ///
+  /// @param first_point  of each element, and their number (FirstPoints).
   /// @param memory  of this block, (MemoryRows). @param watch_all  whether the velocities of points
   ///   far from bodies are wanted, too.
   BlockStep(const BatchContact& contact, const rod::Batch<float>& batch,
-            const rod::Batch<float>::Block& block, int per_element,
+            const rod::Batch<float>::Block& block, std::span<const int> first_point,
             std::span<const rod::Row<float>, rod::layout::kDriveRows> drive,
             std::span<rod::Row<float>> memory, std::span<rod::Row<float>> state,
             BatchContactScratch& scratch, bool watch_all = false);
@@ -104,7 +107,7 @@ class BlockStep {
   void SetImpulse(int point, int lane, const Eigen::Vector3f& impulse);
 
   /// Solutions after the second, each of which stops what its own spring would pull (K6).
-  static constexpr int kCorrections = 2;
+  static constexpr int kCorrections = 3;
 
  private:
   [[nodiscard]] MeetingBlock Meetings();
@@ -112,7 +115,8 @@ class BlockStep {
   const BatchContact& contact_;
   const rod::KindKernels<float>& kernels_;
   const rod::Batch<float>::Block& block_;
-  const int per_element_, points_;
+  const std::span<const int> first_point_;
+  const int points_;
   std::span<const rod::Row<float>, rod::layout::kDriveRows> drive_;
   const std::span<rod::Row<float>> memory_, state_;
   BatchContactScratch& scratch_;
@@ -128,7 +132,7 @@ class BlockStep {
 /// @return as rod::StepBlock.
 [[nodiscard]] uint32_t StepBlockAmong(
     const BatchContact& contact, const rod::Batch<float>& batch,
-    const rod::Batch<float>::Block& block, int per_element,
+    const rod::Batch<float>::Block& block, std::span<const int> first_point,
     std::span<const rod::Row<float>, rod::layout::kDriveRows> drive,
     std::span<rod::Row<float>> memory, std::span<rod::Row<float>> state,
     BatchContactScratch& scratch);

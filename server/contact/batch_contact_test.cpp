@@ -55,8 +55,8 @@ class Among {
       batch_.SetStrand(static_cast<int>(i), starts_[i].View(), state_);
     }
     ASSERT_EQ(batch_.blocks().size(), 1U);
-    per_element_ = PointsPerElement(batch_, block());
-    memory_.resize(MemoryRows(block(), per_element_, 1));
+    first_point_ = FirstPoints(batch_, block());
+    memory_.resize(MemoryRows(points(), 1));
     Forget(memory_);
   }
   [[nodiscard]] uint32_t Step(const rod::ClampMotion& head, const rod::Surroundings& air,
@@ -65,7 +65,7 @@ class Among {
     const GroupMotion motion = MotionOf(body, head);
     const BodyGroup* const group = &group_;
     const BatchContact contact{step_, meetings_, {&group, 1}, {&motion, 1}, settings};
-    return StepBlockAmong(contact, batch_, block(), per_element_, drive_, memory_, state_, scratch);
+    return StepBlockAmong(contact, batch_, block(), first_point_, drive_, memory_, state_, scratch);
   }
   [[nodiscard]] State Get(int i) const {
     State state = starts_[i];
@@ -76,7 +76,7 @@ class Among {
     return rod::fixtures::Tip(*strands_[i], roots_[i], Get(i).theta);
   }
   [[nodiscard]] const rod::Batch<float>::Block& block() const { return batch_.blocks()[0]; }
-  [[nodiscard]] int points() const { return block().elements * per_element_; }
+  [[nodiscard]] int points() const { return first_point_.back(); }
   [[nodiscard]] const std::vector<Row<float>>& state() const { return state_; }
 
   BatchContactSettings settings;
@@ -92,7 +92,7 @@ class Among {
   rod::Batch<float> batch_;
   std::vector<Row<float>> state_, memory_;
   std::array<Row<float>, rod::layout::kDriveRows> drive_;
-  int per_element_ = 0;
+  std::vector<int> first_point_;
 };
 
 // A table whose top is y = 0.

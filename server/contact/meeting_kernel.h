@@ -92,13 +92,14 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
     unsigned char *loaded = block.loaded, *watched = block.watched;
     for (int Q = 0; Q < block.elements; ++Q, element += stride) {
       const V length = Row(element, rod::layout::kLength);
-      const V share = (1.0F / static_cast<float>(block.per_element)) * length;
+      const int count = block.first_point[Q + 1] - block.first_point[Q];
+      const V share = (1.0F / static_cast<float>(count)) * length;
       const V radius = block.wound ? unit * Row(element, rod::layout::kRadius) : V{};
-      for (int k = 0; k < block.per_element; ++k) {
+      for (int k = 0; k < count; ++k) {
         const V arc = unit * (before + static_cast<float>(k + 1) * share);
         // A coil's envelope, from nothing at the root; how far curled hair bulges between points.
         const V around = block.wound ? (0.25F * arc < radius ? 0.25F * arc : radius)
-                                     : Bulge(element, unit * share, block.per_element);
+                                     : Bulge(element, unit * share, count);
         const V gap = Row(meeting, kDistance) - (numbers.thickness + around);
         const Vec n = Rows(meeting, kMeetNormal), surface = Rows(meeting, kSurface);
         const Vec last = Rows(point, rod::layout::kLastVelocity), over = last - surface;
@@ -133,7 +134,8 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
         const V most = Coefficient(meeting, point, across, slip) * pressing;
         const V hold = holds ? kHolding * mass : Rub(mass, most, slip);
         const V rub = touches ? (holds ? All(1) : All(-1)) : V{};
-        any |= Load(stops, rub, mass, least, hold, n, surface, meeting, load, loaded++);
+        any |= Load(stops ? kPressing * mass : V{}, least, rub, hold, n, surface, meeting, load,
+                    loaded++);
         point += rod::layout::kPointRows * kLanes, pressed += kLanes;
         meeting += kMeetingRows * kLanes, load += rod::layout::kLoadRows * kLanes;
       }
@@ -146,7 +148,7 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
     bool any = false;
     const float* point = block.points;
     float *meeting = block.meetings, *load = block.loads;
-    for (int i = 0; i < block.elements * block.per_element; ++i,
+    for (int i = 0; i < block.first_point[block.elements]; ++i,
              point += rod::layout::kPointRows * kLanes, velocities += 3 * kLanes,
              meeting += kMeetingRows * kLanes, load += rod::layout::kLoadRows * kLanes) {
       if (block.watched[i] == 0) continue;
@@ -156,7 +158,7 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
       const Vec u = Rows(velocities, 0), over = u - surface, across = over - Dot(n, over) * n;
       const V speed = Dot(n, u), short_of = least - speed, slip = Speed(across);
       const auto stops = (mass > 0.0F) & (short_of > 0.0F);
-      const V pressing = Pressing(meeting, mass, short_of, speed);
+      const V pressing = Pressing(meeting, speed);
       const V most = Coefficient(meeting, point, across, slip) * pressing;
       const V held = kHolding * mass * slip;  // Impulse of one that is held.
       const auto stays = (Abs(rub) > 0.5F) & (held <= most);
@@ -165,47 +167,32 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
       const V hold = stays ? kHolding * mass : Rub(mass, most, faster);
       const V next = pressing > 0.0F ? (stays ? All(1) : All(-1)) : V{};
       any |= simd::MANE_ISA::Any(Abs(next) + Abs(rub) > 0.5F);
-      Load(stops, next, mass, least, hold, n, surface, meeting, load, block.loaded + i);
+      Load(stops ? kPressing * mass : V{}, least, next, hold, n, surface, meeting, load,
+           block.loaded + i);
     }
     return any;
   }
 
-  static bool Finish(const MeetingBlock& block, const float* velocities, float* pressed) {
-    bool any = false;
+  static bool Finish(const MeetingBlock& block, const float* velocities, bool last,
+                     float* pressed) {
+    V wrong{};  // 1 in lanes where any load must change.
     const float* point = block.points;
-    float *meeting = block.meetings, *load = block.loads;
-    for (int i = 0; i < block.elements * block.per_element; ++i,
-             point += rod::layout::kPointRows * kLanes, velocities += 3 * kLanes,
-             meeting += kMeetingRows * kLanes, load += rod::layout::kLoadRows * kLanes,
-             pressed += kLanes) {
-      if (block.watched[i] == 0) {
-        Put(V{}, pressed, 0);
-        continue;
-      }
+    const float *meeting = block.meetings, *u = velocities;
+    for (int i = 0; i < block.first_point[block.elements]; ++i,
+             point += rod::layout::kPointRows * kLanes, u += 3 * kLanes,
+             meeting += kMeetingRows * kLanes, pressed += kLanes) {
+      Put(V{}, pressed, 0);
+      if (block.watched[i] == 0) continue;
 
-      const V mass = Row(meeting, kMass), least = Row(meeting, kLeast), rub = Row(meeting, kRub);
-      const Vec n = Rows(meeting, kMeetNormal), surface = Rows(meeting, kSurface);
-      const Vec u = Rows(velocities, 0), over = u - surface, across = over - Dot(n, over) * n;
-      const V speed = Dot(n, u), out = Dot(n, surface), short_of = least - speed;
-      const auto stops = Row(meeting, kStiff) > 0.0F;
-      // Its own spring pulls it nearer: it is stopped instead (K6).
-      const auto pulled = stops & (short_of < 0.0F) & (speed < out - 1e-6F) & (least < out);
-      // What was free would fall in.
-      const auto falls = (Row(meeting, kStiff) == 0.0F) & (mass > 0.0F) & (short_of > kSlack);
-      const V slip = Speed(across), pressing = Pressing(meeting, mass, short_of, speed);
-      const V most = Coefficient(meeting, point, across, slip) * pressing;
-      if (simd::MANE_ISA::Any(pulled | falls)) {
-        any = true;
-        const V stopped = pulled ? out : least;
-        Put(stopped, meeting, kLeast);
-        const V hold = falls ? Rub(mass, most, slip) : Row(load, rod::layout::kHold);
-        Load(stops | falls, falls ? All(-1) : rub, mass, stopped, hold, n, surface, meeting, load,
-             block.loaded + i);
-      }
-      const V sign = rub > 0.5F ? All(1) : All(-1);
+      const V speed = Dot(Rows(meeting, kMeetNormal), Rows(u, 0)), rub = Row(meeting, kRub);
+      const V pressing = Pressing(meeting, speed), sign = rub > 0.5F ? All(1) : All(-1);
       Put(((Abs(rub) > 0.5F) & (pressing > 0.0F)) ? sign * pressing : V{}, pressed, 0);
+      wrong = (Pulls(meeting, speed) | Falls(meeting, speed)) ? All(1) : wrong;
     }
-    return any;
+    const auto again = wrong > 0.5F;
+    if (!simd::MANE_ISA::Any(again)) return false;
+    Amend(block, velocities, last, again);
+    return true;
   }
 
  private:
@@ -213,6 +200,7 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
   // K3); less than in double precision, as float32 has six digits for them and the free directions.
   static constexpr float kPressing = 1e3F;
   static constexpr float kHolding = 4e3F;
+  static constexpr float kSoftStop = 4;
   static constexpr float kLiftDepth = 1e-3F;  // At which what lifts is at its most (K9) [m].
   static constexpr float kBulge = 3e-3F;      // Most that a strand keeps away for its curl [m].
   static constexpr float kCoilSoftness = 3;
@@ -224,11 +212,11 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
   static constexpr float kFar = 1e9F;
 
   // Height of the arc between two points `apart` [m] of an element with its natural curvature [m].
-  static V Bulge(const float* element, const V& apart, int per_element) {
+  static V Bulge(const float* element, const V& apart, int count) {
     const V b1 = Row(element, rod::layout::kNatural + 1),
             b2 = Row(element, rod::layout::kNatural + 2);
     const V bend =
-        (1.0F / static_cast<float>(per_element)) * simd::MANE_ISA::Sqrt(b1 * b1 + b2 * b2 + 1e-20F);
+        (1.0F / static_cast<float>(count)) * simd::MANE_ISA::Sqrt(b1 * b1 + b2 * b2 + 1e-20F);
     const V height = 0.125F * apart * bend;
     return height < kBulge ? height : All(kBulge);
   }
@@ -257,6 +245,53 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
     const V along = Dot(Rows(point, rod::layout::kTangent), across) / slip;
     return Row(meeting, kMeetFriction) * (1.0F + Row(meeting, kMeetAnisotropy) * along);
   }
+  // A spring that pulls its point nearer to the body.
+  static auto Pulls(const float* meeting, const V& speed) {
+    const V to = Row(meeting, kStopSpeed);
+    const V out = Dot(Rows(meeting, kMeetNormal), Rows(meeting, kSurface));
+    return (Row(meeting, kStiff) > 0.0F) & (to < speed) & (speed < out - 1e-6F);
+  }
+  // What nothing stops, or too little, would fall in.
+  static auto Falls(const float* meeting, const V& speed) {
+    const V least = Row(meeting, kLeast);
+    const auto soft = (Row(meeting, kStiff) == 0.0F) | (Row(meeting, kStopSpeed) > least);
+    return soft & (Row(meeting, kMass) > 0.0F) & (least - speed > kSlack);
+  }
+  // What gives the impulse `needs` to what comes nearer at `speed`.
+  static V Resistance(const V& needs, const V& speed, const V& largest) {
+    const V resistance = needs / (speed > 1e-9F ? speed : All(1e-9F));
+    return resistance < largest ? resistance : largest;
+  }
+  // New loads in the lanes `again`: what falls is stopped, and every other point that comes nearer
+  // is resisted with what pressed it, so that nothing pulls (K6).
+  template <typename M>
+  static void Amend(const MeetingBlock& block, const float* u, bool last, const M& again) {
+    const float* point = block.points;
+    float *meeting = block.meetings, *load = block.loads;
+    for (int i = 0; i < block.first_point[block.elements]; ++i,
+             point += rod::layout::kPointRows * kLanes, u += 3 * kLanes,
+             meeting += kMeetingRows * kLanes, load += rod::layout::kLoadRows * kLanes) {
+      if (block.watched[i] == 0) continue;
+
+      const V mass = Row(meeting, kMass), rub = Row(meeting, kRub), least = Row(meeting, kLeast);
+      const V stiff = Row(meeting, kStiff), to = Row(meeting, kStopSpeed);
+      const Vec n = Rows(meeting, kMeetNormal), surface = Rows(meeting, kSurface);
+      const Vec velocity = Rows(u, 0), over = velocity - surface, across = over - Dot(n, over) * n;
+      const V speed = Dot(n, velocity), out = Dot(n, surface), slip = Speed(across);
+      const auto falls = Falls(meeting, speed), nears = (speed < out - 1e-6F) & (to < out);
+      const V lacks = to > speed ? stiff * (to - speed) : V{}, hard = kPressing * mass;
+      const V resists = nears ? Resistance(lacks, out - speed, hard) : stiff;
+      const V needs = kSoftStop * mass * (least - speed);
+      const V stops = last ? Resistance(needs, out - least, hard) : hard;
+      const V press = falls ? stops : resists;
+      const V stop = falls ? (last ? out : least) : ((nears & (press > 0.0F)) ? out : to);
+      const V most = Coefficient(meeting, point, across, slip) * Pressing(meeting, speed);
+      const V hold = Row(load, rod::layout::kHold);
+      const V rubs = (falls | ((rub < -0.5F) & nears)) ? Rub(mass, most, slip) : hold;
+      Load(again ? press : stiff, again ? stop : to, (again & falls) ? All(-1) : rub,
+           again ? rubs : hold, n, surface, meeting, load, block.loaded + i);
+    }
+  }
   // Resistance of what slides at `slip` under the friction `most` (K4).
   static V Rub(const V& mass, const V& most, const V& slip) {
     const V hold = most / slip, largest = kHolding * mass;
@@ -264,25 +299,27 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
   }
   // Normal impulse of a point in a solution: what stops it, if anything does, and what lifts it; of
   // one that was free, what would stop its own mass.
-  static V Pressing(const float* meeting, const V& mass, const V& short_of, const V& speed) {
-    const V stiff = Row(meeting, kStiff), each = stiff > 0.0F ? stiff : mass;
-    const V stopping = short_of > 0.0F ? each * short_of : V{};
+  static V Pressing(const float* meeting, const V& speed) {
+    const V stiff = Row(meeting, kStiff);
+    const auto stopped = stiff > 0.0F;
+    const V short_of = (stopped ? Row(meeting, kStopSpeed) : Row(meeting, kLeast)) - speed;
+    const V stopping = short_of > 0.0F ? (stopped ? stiff : Row(meeting, kMass)) * short_of : V{};
     const V lifting = Row(meeting, kLift) * (Row(meeting, kLiftSpeed) - speed);
     return stopping + (lifting > 0.0F ? lifting : V{});
   }
-  // Loads of a point: stopped where `stops`, rubbed with `hold` where `rub` is not 0, and lifted.
-  template <typename M>
-  static bool Load(const M& stops, const V& rub, const V& mass, const V& least, const V& hold,
-                   const Vec& n, const Vec& surface, float* meeting, float* load,
-                   unsigned char* loaded) {
+  // Loads of a point: kept by `press` from being slower than `stop` along the normal, rubbed with
+  // `hold` where `rub` is not 0, and lifted.
+  static bool Load(const V& press, const V& stop, const V& rub, const V& hold, const Vec& n,
+                   const Vec& surface, float* meeting, float* load, unsigned char* loaded) {
     const V lift = Row(meeting, kLift), held = Abs(rub) > 0.5F ? hold : V{};
-    const V press = stops ? kPressing * mass : V{}, out = Dot(n, surface);
+    const V out = Dot(n, surface);
     Put(rub, meeting, kRub);
     Put(press, meeting, kStiff);
+    Put(stop, meeting, kStopSpeed);
     Put(n, load, rod::layout::kNormal);
     Put(press + lift, load, rod::layout::kPress);
     Put(held, load, rod::layout::kHold);
-    const V along = press * (stops ? least : V{}) + lift * Row(meeting, kLiftSpeed);
+    const V along = press * stop + lift * Row(meeting, kLiftSpeed);
     Put(along * n + held * (surface - out * n), load, rod::layout::kPush);
     Put(lift > 0.0F ? Row(meeting, kLiftSpeed) : out, load, rod::layout::kSurfaceSpeed);
     const bool any = simd::MANE_ISA::Any(press + lift + held > 0.0F);
@@ -327,9 +364,11 @@ struct MeetingTable {
   static bool Revise(const MeetingBlock& block, const float* velocities) {
     return Groups([&](int l) { return Meetings<W>::Revise(At(block, l), velocities + l); });
   }
-  static bool Finish(const MeetingBlock& block, const float* velocities, float* pressed) {
-    return Groups(
-        [&](int l) { return Meetings<W>::Finish(At(block, l), velocities + l, pressed + l); });
+  static bool Finish(const MeetingBlock& block, const float* velocities, bool last,
+                     float* pressed) {
+    return Groups([&](int l) {
+      return Meetings<W>::Finish(At(block, l), velocities + l, last, pressed + l);
+    });
   }
   static constexpr MeetingKernels Make() { return {&Look, &Meet, &Begin, &Revise, &Finish}; }
 };

@@ -25,7 +25,8 @@ enum Meeting : int {
   kMass,        ///< That the point stands for [rho S l0]; 0 where it meets nothing.
   kLeast,       ///< v of (K2) [m/s].
   kStiff,       ///< What keeps it from going on, per speed that it lacks (K2) [rho S l0]; 0 where
-                ///< nothing.
+                ///< nothing,
+  kStopSpeed,   ///< and the speed that it lacks it to: v, or the body's own (K6) [m/s].
   kLift,        ///< What lifts it out, per speed that it lacks (K9) [rho S l0],
   kLiftSpeed,   ///< and to which speed along the normal [m/s].
   kRub,         ///< +1 where it is held across, -1 where it slides, 0 where it touches nothing.
@@ -55,15 +56,14 @@ struct MeetingNumbers {
 /// A block of strands and its points.
 struct MeetingBlock {
   int elements;
-  int per_element;
+  const int* first_point;  ///< Of each element, and how many there are (N + 1).
   bool wound;
   const float* constants;  ///< rod/batch_layout.h
   const float* points;     ///< rod::layout::Point rows.
-  float* meetings;         ///< (N x per_element x kMeetingRows)
+  float* meetings;         ///< (points x kMeetingRows)
   float* loads;            ///< rod::layout::Load rows.
-  unsigned char* loaded;   ///< (N x per_element)
-  unsigned char*
-      watched;  ///< Whether any lane is near a body; others are left alone (N x per_element).
+  unsigned char* loaded;   ///< (points)
+  unsigned char* watched;  ///< Whether any lane is near a body; others are left alone (points).
 };
 
 /// The kernels of one instruction set; pure functions of their arguments, each lane's result
@@ -81,14 +81,14 @@ struct MeetingKernels {
   /// Takes over the group where it is nearer than those before; the first sets all.
   void (*meet)(int points, const float* point_rows, const GroupMotion& group, const float* seen,
                const float* local, bool first, float* meetings);
-  /// Loads of the first solution (K8). `pressed`, (N x per_element) rows, are the impulses that
-  /// Finish left a step ago. @return whether there are any.
+  /// Loads of the first solution (K8). `pressed`, (points) rows, are the impulses that Finish
+  /// left a step ago. @return whether there are any.
   bool (*begin)(const MeetingBlock& block, const MeetingNumbers& numbers, const float* pressed);
   /// Loads of the second, by the velocities of the first. @return whether any differ.
   bool (*revise)(const MeetingBlock& block, const float* velocities);
   /// Stops what its own spring pulls (K6), and leaves impulses. @return whether any must be solved
   /// again.
-  bool (*finish)(const MeetingBlock& block, const float* velocities, float* pressed);
+  bool (*finish)(const MeetingBlock& block, const float* velocities, bool last, float* pressed);
 };
 
 }  // namespace mane::contact

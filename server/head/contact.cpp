@@ -38,9 +38,9 @@ void StartContact(const groom::Groom& groom, std::shared_ptr<const Bodies> bodie
   contact.moving = BodiesAtRest(*contact.bodies, state->pose);
   size_t first = 0;
   for (const auto& block : groom.batch.blocks()) {
-    const int per_element = contact::PointsPerElement(groom.batch, block);
-    const size_t rows = contact::MemoryRows(block, per_element, contact.bodies->groups.size());
-    contact.blocks.push_back({per_element, first, rows});
+    const std::vector<int> first_point = contact::FirstPoints(groom.batch, block);
+    const size_t rows = contact::MemoryRows(first_point.back(), contact.bodies->groups.size());
+    contact.blocks.push_back({first_point, first_point, first, rows});
     first += rows;
   }
   contact.memory.resize(first);
@@ -49,8 +49,17 @@ void StartContact(const groom::Groom& groom, std::shared_ptr<const Bodies> bodie
   if (!settled.empty()) state->guides = settled;
 }
 
-void ForgetContact(int block, Contact* contact) {
-  if (contact->bodies != nullptr) contact::Forget(MemoryOf(block, contact));
+void ForgetContact(int block, const rod::Parts& parts, Contact* contact) {
+  if (contact->bodies == nullptr) return;
+  contact::Forget(MemoryOf(block, contact));
+  const std::vector<int>& fine = contact->blocks[block].first_of_all;
+  std::vector<int>& first = contact->blocks[block].first_point;
+  if (parts.empty()) {
+    first = fine;
+    return;
+  }
+  first.resize(parts.back() + 2);
+  for (size_t Q = 0; Q < parts.size(); ++Q) first[parts[Q] + 1] = fine[Q + 1];
 }
 
 void SetGroupMotions(const Contact& contact, std::span<const math::Pose> targets,
@@ -91,11 +100,9 @@ uint32_t StepAmongBodies(int index, const rod::Batch<float>& batch,
   thread_local std::vector<const contact::BodyGroup*> groups;
   groups.clear();
   for (const Bodies::Group& group : contact->bodies->groups) groups.push_back(&group.bodies);
-  const int per_element = contact->blocks[index].per_element;
-  const size_t rows = contact::MemoryRows(block, per_element, groups.size());
   const contact::BatchContact among{Kernels(), Meetings(), groups, motions, {}, surprise};
-  return contact::StepBlockAmong(among, batch, block, per_element, drive,
-                                 MemoryOf(index, contact).first(rows), state, scratch);
+  return contact::StepBlockAmong(among, batch, block, contact->blocks[index].first_point, drive,
+                                 MemoryOf(index, contact), state, scratch);
 }
 
 }  // namespace mane::head

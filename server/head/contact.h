@@ -10,6 +10,7 @@
 #include "head/bodies.h"
 #include "math/rigid.h"
 #include "rod/batch.h"
+#include "rod/coarsen.h"
 #include "rod/step.h"
 
 namespace mane::head {
@@ -18,9 +19,10 @@ namespace mane::head {
 struct Contact {
   /// Of a block of the groom's batch, whatever its level of detail.
   struct Block {
-    int per_element;  ///< Points of each element.
-    size_t first;     ///< In `memory`, and
-    size_t rows;      ///< how many.
+    std::vector<int> first_of_all;  ///< Points of each element (contact::FirstPoints),
+    std::vector<int> first_point;   ///< and of each element at its level.
+    size_t first;                   ///< In `memory`, and
+    size_t rows;                    ///< how many.
   };
   std::shared_ptr<const Bodies> bodies;  ///< Null before StartContact: hair meets nothing.
   std::vector<math::Pose> moving;        ///< World poses of its moving bodies, (moving_count).
@@ -39,8 +41,11 @@ struct HeadState;
 void StartContact(const groom::Groom& groom, std::shared_ptr<const Bodies> bodies,
                   HeadState* state);
 
-/// What a block met is forgotten, as it changes its level of detail.
-void ForgetContact(int block, Contact* contact);
+/// What a block met is forgotten, as it changes its level of detail. A coarse element has the
+/// points of the fine ones that it stands for.
+///
+/// @param parts  Level::parts; empty at full detail.
+void ForgetContact(int block, const rod::Parts& parts, Contact* contact);
 
 /// How every group of bodies moves while the head moves along `head` (rod/step.h): the part of the
 /// way from `contact`'s poses to `targets` (empty: none) between the fractions `begin` and `end`.

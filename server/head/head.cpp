@@ -45,7 +45,7 @@ void StopDetail(const groom::Groom& groom, HeadState* state) {
     state->detail.blocks[i].calm = 0;
     if (LevelOf(*state, i) == 0) continue;
     SwitchBlock(groom, i, 0, state->pose, state->guides, &state->detail);
-    ForgetContact(i, &state->contact);
+    ForgetContact(i, {}, &state->contact);
   }
 }
 
@@ -57,7 +57,8 @@ void FinishBlock(const groom::Groom& groom, int i, const Movement& movement, dou
   const int level = ChooseLevel(groom, i, movement.duration, tolerance, state->guides, &detail);
   if (level != LevelOf(*state, i)) {
     SwitchBlock(groom, i, level, movement.target, state->guides, &detail);
-    ForgetContact(i, &state->contact);
+    ForgetContact(i, level == 0 ? rod::Parts{} : detail.levels->At(i, level).parts,
+                  &state->contact);
   }
 }
 

@@ -49,7 +49,7 @@ void LiftDeepGuides(const groom::Groom& groom, HeadState* state) {
   for (size_t i = 0; i < groom.batch.blocks().size(); ++i) {
     const auto& block = groom.batch.blocks()[i];
     const Contact::Block& own = state->contact.blocks[i];
-    contact::BlockStep step(among, groom.batch, block, own.per_element, drive,
+    contact::BlockStep step(among, groom.batch, block, own.first_point, drive,
                             std::span(state->contact.memory).subspan(own.first, own.rows),
                             state->guides, scratch);
     step.Begin();

@@ -70,15 +70,18 @@ bool HasWisps(const groom::Groom& groom) {
 Wisps MakeWisps(const groom::Groom& groom, const Bodies& bodies, exec::WorkerPool& pool) {
   Wisps wisps;
   const auto blocks = groom.batch.blocks();
-  std::vector<int> per_element(groom.guide_count());
+  std::vector<std::vector<int>> first_points;
+  std::vector<int> count(groom.guide_count());  // Points of each guide.
   for (const auto& block : blocks) {
-    const int count = contact::PointsPerElement(groom.batch, block);
-    for (int lane = 0; lane < block.count; ++lane) per_element[block.strands[lane]] = count;
+    first_points.push_back(contact::FirstPoints(groom.batch, block));
+    for (int lane = 0; lane < block.count; ++lane) {
+      count[block.strands[lane]] = first_points.back().back();
+    }
   }
   wisps.first = {0};
   for (int i = 0; i < groom.guide_count(); ++i) {
     const groom::Guide& guide = groom.guides[i];
-    wisps.first.push_back(wisps.first.back() + guide.strand.elements() * per_element[i]);
+    wisps.first.push_back(wisps.first.back() + count[i]);
     wisps.radius.push_back(static_cast<float>(guide.wisp_radius));
     wisps.curliness.push_back(static_cast<float>(Curliness(guide.strand)));
   }
@@ -92,9 +95,8 @@ Wisps MakeWisps(const groom::Groom& groom, const Bodies& bodies, exec::WorkerPoo
   const contact::BatchContact among{Kernels(), Meetings(), {}, {}, {}};
   contact::BatchContactScratch scratch;
   for (int i = 0; i < std::ssize(blocks); ++i) {
-    const int count = per_element[blocks[i].strands[0]];
-    std::vector<rod::Row<float>> memory(contact::MemoryRows(blocks[i], count, 0));
-    BlockStep step(among, groom.batch, blocks[i], count, drive, memory, guides, scratch);
+    std::vector<rod::Row<float>> memory(contact::MemoryRows(first_points[i].back(), 0));
+    BlockStep step(among, groom.batch, blocks[i], first_points[i], drive, memory, guides, scratch);
     step.Begin();
     ForPoints(groom, wisps, i, step, blocks[i].count, [&](int point, int lane, int index) {
       const Eigen::Vector3f p = step.Position(point, lane);
@@ -142,7 +144,7 @@ void StepAmongWisps(const groom::Groom& groom, const WispStep& step,
   for_blocks([&](int i) {
     const Contact::Block& block = contact->blocks[i];
     BlockStep& own_step =
-        memory.steps[i].emplace(among, groom.batch, blocks[i], block.per_element,
+        memory.steps[i].emplace(among, groom.batch, blocks[i], block.first_point,
                                 step.drives[step.drives.size() == 1 ? 0 : i],
                                 std::span(contact->memory).subspan(block.first, block.rows), guides,
                                 memory.scratch[i], true);

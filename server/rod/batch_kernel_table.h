@@ -31,12 +31,12 @@ struct ApproachScratch {
   using Element = typename Kernel::Element;
   using PointShape = typename Kernel::PointShape;
 
-  static constexpr int BytesPerElement(int per_element) {
-    return static_cast<int>(sizeof(Element)) + per_element * static_cast<int>(sizeof(PointShape));
+  static constexpr size_t Bytes(int N, int points) {
+    return N * sizeof(Element) + points * sizeof(PointShape);
   }
-  ApproachScratch(void* scratch, int N, int per_element, int group)
-      : elements(reinterpret_cast<Element*>(static_cast<char*>(scratch) +
-                                            group * N * BytesPerElement(per_element))),
+  ApproachScratch(void* scratch, int N, int points, int group)
+      : elements(
+            reinterpret_cast<Element*>(static_cast<char*>(scratch) + group * Bytes(N, points))),
         shapes(reinterpret_cast<PointShape*>(elements + N)) {}
 
   Element* elements;
@@ -44,30 +44,30 @@ struct ApproachScratch {
 };
 
 template <typename T, typename Kernel, int W>
-void ApproachBlock(int N, int per_element, const T* constants, const T* drive, const T* state,
-                   void* scratch, T* points) {
+void ApproachBlock(int N, const int* first_point, const T* constants, const T* drive,
+                   const T* state, void* scratch, T* points) {
   for (int lane = 0; lane < layout::kLanes; lane += W) {
-    const ApproachScratch<Kernel> own(scratch, N, per_element, lane / W);
-    Kernel::Approach(N, per_element, constants + lane, drive + lane, state + lane, own.elements,
+    const ApproachScratch<Kernel> own(scratch, N, first_point[N], lane / W);
+    Kernel::Approach(N, first_point, constants + lane, drive + lane, state + lane, own.elements,
                      own.shapes, points + lane);
   }
 }
 
 template <typename T, typename Kernel, int W>
-void SolveBlock(int N, int per_element, const T* constants, const T* drive, const T* state,
+void SolveBlock(int N, const int* first_point, const T* constants, const T* drive, const T* state,
                 const T* loads, const unsigned char* loaded, const unsigned char* watched,
                 void* scratch, T* next, T* velocities, T* size) {
   for (int lane = 0; lane < layout::kLanes; lane += W) {
-    const ApproachScratch<Kernel> own(scratch, N, per_element, lane / W);
-    Kernel::Solve(N, per_element, constants + lane, drive + lane, state + lane, loads + lane,
+    const ApproachScratch<Kernel> own(scratch, N, first_point[N], lane / W);
+    Kernel::Solve(N, first_point, constants + lane, drive + lane, state + lane, loads + lane,
                   loaded, watched, own.elements, own.shapes, next + lane, velocities + lane,
                   size + lane);
   }
 }
 
 template <typename Kernel, int W>
-int ApproachBytes(int per_element) {
-  return layout::kLanes / W * ApproachScratch<Kernel>::BytesPerElement(per_element);
+size_t ApproachBytes(int N, int points) {
+  return layout::kLanes / W * ApproachScratch<Kernel>::Bytes(N, points);
 }
 
 template <typename T, typename Kernel, typename Walk, int W>

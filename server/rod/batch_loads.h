@@ -16,13 +16,13 @@ namespace MANE_ISA {
 template <typename T, int W>
 struct StrandStep<T, W>::Loads : ElementLoads {
   using ElementLoads::At;
+  using ElementLoads::count;
   using ElementLoads::FractionOf;
   using ElementLoads::loaded;
-  using ElementLoads::per_element;
   using ElementLoads::shapes;
 
   void Add(const V& length, const Element& e, RateCost& rates, CostToGo& left) const {
-    for (int k = 0; k < per_element; ++k) {
+    for (int k = 0; k < count; ++k) {
       if (loaded[k] == 0) continue;
       const PointLoad load = At(k);
       Vec J[3], P[3], d;
@@ -39,7 +39,7 @@ struct StrandStep<T, W>::Loads : ElementLoads {
 };
 
 template <typename T, int W>
-void StrandStep<T, W>::Approach(int N, int per_element, const T* constants, const T* drive,
+void StrandStep<T, W>::Approach(int N, const int* first_point, const T* constants, const T* drive,
                                 const T* state, Element* scratch, PointShape* shapes, T* points) {
   const Clamp clamp = ReadClamp(constants, drive);
   const V h = T(kTheta) * Row(drive, layout::kDuration), unit = Row(constants, layout::kUnit);
@@ -53,10 +53,11 @@ void StrandStep<T, W>::Approach(int N, int per_element, const T* constants, cons
     const Vec v = e.R * Rows(state, layout::kRates), B = e.B();
     const Field along = FieldOf(e, length, spin, v);
     const auto reduction = Reduce(e.zeta);
-    for (int k = 0; k < per_element; ++k, ++shapes) {
-      const T s = T(k + 1) / T(per_element);
+    const int count = first_point[Q + 1] - first_point[Q];
+    for (int k = 0; k < count; ++k, ++shapes) {
+      const T s = T(k + 1) / T(count);
       V phi1;  // s c1
-      if (k + 1 == per_element) {
+      if (k + 1 == count) {
         *shapes = EndShape(e);
         phi1 = T(1) - e.zeta * e.c3;
       } else {
@@ -79,15 +80,17 @@ void StrandStep<T, W>::Approach(int N, int per_element, const T* constants, cons
 }
 
 template <typename T, int W>
-void StrandStep<T, W>::Solve(int N, int per_element, const T* constants, const T* drive,
+void StrandStep<T, W>::Solve(int N, const int* first_point, const T* constants, const T* drive,
                              const T* state, const T* loads, const unsigned char* loaded,
                              const unsigned char* watched, Element* scratch,
                              const PointShape* shapes, T* next, T* velocities, T* size) {
   const Clamp clamp = ReadClamp(constants, drive);
   const Constants step = Prepare(constants, drive, clamp.velocity);
   const V unit = Row(constants, layout::kUnit), inverse = Row(constants, layout::kInverseUnit);
-  const ElementLoads first{per_element, loads, loaded, watched, shapes, velocities, unit, inverse};
-  const auto loads_of = [&](int Q) __attribute__((always_inline)) { return Loads{first.Of(Q)}; };
+  const ElementLoads all{first_point[N], loads, loaded, watched, shapes, velocities, unit, inverse};
+  const auto loads_of = [&](int Q) __attribute__((always_inline)) {
+    return Loads{all.Of(first_point[Q], first_point[Q + 1])};
+  };
   SolveWith(N, clamp, step, constants, drive, state, loads_of, scratch, next, size);
 }
 
@@ -96,13 +99,13 @@ void StrandStep<T, W>::Solve(int N, int per_element, const T* constants, const T
 template <typename T, int W>
 struct WoundStep<T, W>::Loads : ElementLoads {
   using ElementLoads::At;
+  using ElementLoads::count;
   using ElementLoads::FractionOf;
   using ElementLoads::loaded;
-  using ElementLoads::per_element;
   using ElementLoads::shapes;
 
   void Add(const V& length, const Element& e, RateCost& rates, CostToGo& left) const {
-    for (int k = 0; k < per_element; ++k) {
+    for (int k = 0; k < count; ++k) {
       if (loaded[k] == 0) continue;
       const PointLoad load = At(k);
       const PointShape& shape = shapes[k];
@@ -123,7 +126,7 @@ struct WoundStep<T, W>::Loads : ElementLoads {
 };
 
 template <typename T, int W>
-void WoundStep<T, W>::Approach(int N, int per_element, const T* constants, const T* drive,
+void WoundStep<T, W>::Approach(int N, const int* first_point, const T* constants, const T* drive,
                                const T* state, Element* scratch, PointShape* shapes, T* points) {
   const Clamp clamp = AxisClamp(constants, drive);
   const V h = T(kTheta) * Row(drive, layout::kDuration), unit = Row(constants, layout::kUnit);
@@ -140,10 +143,11 @@ void WoundStep<T, W>::Approach(int N, int per_element, const T* constants, const
     const Vec turn = e.R * e.axis.AngleRates(v), B = e.B();
     const Field along = FieldOf(e, length, spin, v);
     const auto reduction = Reduce(e.zeta);
-    for (int k = 0; k < per_element; ++k, ++shapes) {
-      const T s = T(k + 1) / T(per_element);
+    const int count = first_point[Q + 1] - first_point[Q];
+    for (int k = 0; k < count; ++k, ++shapes) {
+      const T s = T(k + 1) / T(count);
       V phi1;  // s c1
-      if (k + 1 == per_element) {
+      if (k + 1 == count) {
         *shapes = EndShape(e);
         phi1 = T(1) - e.zeta * e.c3;
       } else {
@@ -166,15 +170,17 @@ void WoundStep<T, W>::Approach(int N, int per_element, const T* constants, const
 }
 
 template <typename T, int W>
-void WoundStep<T, W>::Solve(int N, int per_element, const T* constants, const T* drive,
+void WoundStep<T, W>::Solve(int N, const int* first_point, const T* constants, const T* drive,
                             const T* state, const T* loads, const unsigned char* loaded,
                             const unsigned char* watched, Element* scratch,
                             const PointShape* shapes, T* next, T* velocities, T* size) {
   const Clamp clamp = AxisClamp(constants, drive);
   const Constants step = Prepare(constants, drive, clamp.velocity);
   const V unit = Row(constants, layout::kUnit), inverse = Row(constants, layout::kInverseUnit);
-  const ElementLoads first{per_element, loads, loaded, watched, shapes, velocities, unit, inverse};
-  const auto loads_of = [&](int Q) __attribute__((always_inline)) { return Loads{first.Of(Q)}; };
+  const ElementLoads all{first_point[N], loads, loaded, watched, shapes, velocities, unit, inverse};
+  const auto loads_of = [&](int Q) __attribute__((always_inline)) {
+    return Loads{all.Of(first_point[Q], first_point[Q + 1])};
+  };
   SolveWith(N, clamp, step, constants, drive, state, loads_of, scratch, next, size);
 }
 

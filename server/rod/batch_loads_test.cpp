@@ -30,7 +30,19 @@ using fixtures::State;
 using fixtures::WoundOwned;
 using layout::kLanes;
 
-constexpr int kPerElement = 3;
+constexpr int kPoints[] = {3, 1, 4, 2};  // Of elements in turn.
+
+std::vector<int> FirstPoints(int N) {
+  std::vector<int> first = {0};
+  for (int Q = 0; Q < N; ++Q) first.push_back(first.back() + kPoints[Q % 4]);
+  return first;
+}
+int PointCount(int N) { return FirstPoints(N).back(); }
+ArcPosition Where(int point) {
+  int Q = 0;
+  while (point >= kPoints[Q % 4]) point -= kPoints[Q++ % 4];
+  return {Q, (point + 1.0) / kPoints[Q % 4]};
+}
 
 // What presses and rubs at a point, in SI units.
 struct Load {
@@ -46,20 +58,22 @@ class Solver {
  public:
   Solver(const KernelTable<T>& kernels, const Batch<T>& batch, const ClampMotion& head,
          const Surroundings& air)
-      : batch_(batch), block_(batch.blocks()[0]), kernels_(kernels.Of(block_.kind)) {
-    const int points = block_.elements * kPerElement;
+      : batch_(batch),
+        block_(batch.blocks()[0]),
+        first_point_(FirstPoints(block_.elements)),
+        kernels_(kernels.Of(block_.kind)) {
+    const int points = first_point_.back();
     SetDrive<T>(head, air, 0, kLanes, drive_);
     points_.resize(points * layout::kPointRows);
     loads_.resize(points * layout::kLoadRows);
     velocities_.resize(points * 3);
     loaded_.assign(points, 0);
     watched_.assign(points, 1);
-    bytes_ = scratch_.Reserve(static_cast<size_t>(block_.elements) *
-                              kernels_.approach_per_element(kPerElement));
+    bytes_ = scratch_.Reserve(kernels_.approach_scratch(block_.elements, points));
   }
   void Approach(std::span<const Row<T>> state) {
-    kernels_.approach(block_.elements, kPerElement, batch_.constants(block_), drive_[0].lane,
-                      state[block_.state].lane, bytes_, points_[0].lane);
+    kernels_.approach(block_.elements, first_point_.data(), batch_.constants(block_),
+                      drive_[0].lane, state[block_.state].lane, bytes_, points_[0].lane);
   }
   // `unit` is rho S l0 of the strand [kg].
   void SetLoad(int point, int lane, const Load& load, double unit) {
@@ -77,7 +91,7 @@ class Solver {
   }
   void Solve(std::span<const Row<T>> state, std::span<Row<T>> next) {
     Row<T> size;
-    kernels_.solve(block_.elements, kPerElement, batch_.constants(block_), drive_[0].lane,
+    kernels_.solve(block_.elements, first_point_.data(), batch_.constants(block_), drive_[0].lane,
                    state[block_.state].lane, loads_[0].lane, loaded_.data(), watched_.data(),
                    bytes_, next[block_.state].lane, velocities_[0].lane, size.lane);
   }
@@ -92,6 +106,7 @@ class Solver {
   }
   const Batch<T>& batch_;
   const typename Batch<T>::Block& block_;
+  const std::vector<int> first_point_;
   const KindKernels<T>& kernels_;
   std::array<Row<T>, layout::kDriveRows> drive_;
   std::vector<Row<T>> points_, loads_, velocities_;
@@ -144,7 +159,7 @@ TYPED_TEST(BatchLoadsTest, EqualsTheStepAmongTheSameLoads) {
       solver.Approach(packed.state());
       std::vector<std::vector<PointLoad>> expected_loads(kLanes);
       const auto& lanes = packed.batch().blocks()[0].strands;
-      for (int point = 0; point < N * kPerElement; ++point) {
+      for (int point = 0; point < PointCount(N); ++point) {
         if (point % 4 == 2) continue;  // Some points have no load,
         for (int lane = 0; lane < kLanes; ++lane) {
           if ((point + lane) % 3 == 0) continue;  // nor have some lanes of others.
@@ -154,7 +169,7 @@ TYPED_TEST(BatchLoadsTest, EqualsTheStepAmongTheSameLoads) {
           solver.SetLoad(point, lane, load, unit);
           const Eigen::Matrix3d along = load.normal * load.normal.transpose();
           expected_loads[lane].push_back(
-              {point / kPerElement, (point % kPerElement + 1.0) / kPerElement,
+              {Where(point).element, Where(point).fraction,
                load.hold * (Eigen::Matrix3d::Identity() - along) + load.press * along, load.push,
                load.normal, load.surface_speed});
         }
@@ -228,7 +243,7 @@ void ExpectVelocitiesToBeTheChangeOfPositions(const KernelTable<T>& kernels, Pac
     later.Approach(packed.state());
     const double between = kTheta * dt;
     const Vector3d head_moves = (at(kTheta * (dt0 + dt)).p - at(kTheta * dt0).p);
-    for (int point = 0; point < packed.batch().blocks()[0].elements * kPerElement; ++point) {
+    for (int point = 0; point < PointCount(packed.batch().blocks()[0].elements); ++point) {
       for (int lane = 0; lane < kLanes; ++lane) {
         const Vector3d change = later.Point(point, lane, layout::kPosition) -
                                 now.Point(point, lane, layout::kPosition) + head_moves;
@@ -263,8 +278,8 @@ TYPED_TEST(BatchLoadsTest, PointsLieOnTheExtrapolatedCentreline) {
       const int i = packed.batch().blocks()[0].strands[lane];
       State state = packed.start(i);
       for (int Q = 0; Q < 5; ++Q) state.theta[Q] += kTheta * motion.dt * state.rate[Q];
-      for (int point = 0; point < 5 * kPerElement; ++point) {
-        const ArcPosition where{point / kPerElement, (point % kPerElement + 1.0) / kPerElement};
+      for (int point = 0; point < PointCount(5); ++point) {
+        const ArcPosition where = Where(point);
         const Vector3d r =
             PointAt(packed.strand(i), head * packed.root(i), state.theta, where).r - head.p;
         EXPECT_LT((solver.Point(point, lane, layout::kPosition) - r).norm(), tolerance);
@@ -279,7 +294,7 @@ void ExpectReciprocity(const KernelTable<T>& kernels, Pack packed) {
   const double tolerance = std::is_same_v<T, float> ? 2e-2 : 1e-7;
   Random random(12);
   const ClampMotion motion = random.AnyMotion(1.0 / 60);
-  const int points = packed.batch().blocks()[0].elements * kPerElement;
+  const int points = PointCount(packed.batch().blocks()[0].elements);
   std::vector<Row<T>> next(packed.state().size());
   const auto velocities = [&](int at, const Vector3d& push) {
     Solver<T> solver(kernels, packed.batch(), motion, {});
@@ -318,7 +333,7 @@ void ExpectToBeStopped(const KernelTable<T>& kernels, Pack packed) {
   const ClampMotion motion{{}, {}, 1.0 / 60};
   Solver<T> solver(kernels, packed.batch(), motion, {});
   solver.Approach(packed.state());
-  const int point = packed.batch().blocks()[0].elements * kPerElement - 1;
+  const int point = PointCount(packed.batch().blocks()[0].elements) - 1;
   std::vector<Vector3d> normals;
   for (int lane = 0; lane < kLanes; ++lane) {
     normals.push_back(-solver.Point(point, lane, layout::kLastVelocity).normalized());
@@ -354,7 +369,7 @@ void ExpectLanesAlone(const KernelTable<T>& kernels, Pack packed) {
     Solver<T> solver(kernels, packed.batch(), motion, {});
     solver.Approach(packed.state());
     Random random(1);
-    for (int point = 0; point < packed.batch().blocks()[0].elements * kPerElement; ++point) {
+    for (int point = 0; point < PointCount(packed.batch().blocks()[0].elements); ++point) {
       for (int lane = 0; lane < kLanes; ++lane) {
         const Load load{random.Direction(), random.Uniform(0, 100), random.Uniform(0, 100),
                         random.Vector(1)};

@@ -172,10 +172,10 @@ struct Recursion : StumpffOf<T, W> {
     void Show(const Field& /*along*/, const Vec& /*velocity*/) const {}
   };
 
-  /// Loads on points of one element, at the fractions FractionOf(k); each kind of strand adds them
-  /// to its own cost.
+  /// Loads on points of one element, or of all, at the fractions FractionOf(k); each kind of strand
+  /// adds them to its own cost.
   struct ElementLoads {
-    int per_element;
+    int count;                     ///< Of the points.
     const T* rows;                 ///< Of the element's points: loads,
     const unsigned char* loaded;   ///< whether any lane has one,
     const unsigned char* watched;  ///< and whether its velocity is wanted;
@@ -183,25 +183,24 @@ struct Recursion : StumpffOf<T, W> {
     T* velocities;                 ///< and their velocities, out.
     V unit, inverse_unit;          ///< l0 and 1 / l0.
 
-    /// Those of element Q, where these are of the first.
-    [[nodiscard]] ElementLoads Of(int Q) const {
-      const int first = Q * per_element;
-      return {per_element,    rows + first * layout::kLoadRows * layout::kLanes,
+    /// Those of the element with the points from `first` up to `last`, where these are of all.
+    [[nodiscard]] ElementLoads Of(int first, int last) const {
+      return {last - first,   rows + first * layout::kLoadRows * layout::kLanes,
               loaded + first, watched + first,
               shapes + first, velocities + 3 * first * layout::kLanes,
               unit,           inverse_unit};
     }
-    [[nodiscard]] T FractionOf(int k) const { return T(k + 1) / T(per_element); }
+    [[nodiscard]] T FractionOf(int k) const { return T(k + 1) / T(count); }
     [[nodiscard]] PointLoad At(int k) const {
       return {rows + k * layout::kLoadRows * layout::kLanes, inverse_unit};
     }
     void Stop(Vec& u) const {
-      for (int k = 0; k < per_element; ++k) {
+      for (int k = 0; k < count; ++k) {
         if (loaded[k] != 0) At(k).Stop(u);
       }
     }
     void Show(const Field& along, const Vec& velocity) const {
-      for (int k = 0; k < per_element; ++k) {
+      for (int k = 0; k < count; ++k) {
         if (watched[k] == 0) continue;
         Put(unit * (velocity + along.At(All(FractionOf(k)), shapes[k])), velocities, 3 * k);
       }

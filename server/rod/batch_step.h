@@ -59,11 +59,12 @@ class StrandStep : Recursion<T, W> {
   static void Step(int N, const T* constants, const T* drive, T* state, Element* scratch, T* size);
 
   /// The same in two parts, with loads in the second (batch_loads.h, which defines both).
-  static void Approach(int N, int per_element, const T* constants, const T* drive, const T* state,
-                       Element* scratch, PointShape* shapes, T* points);
-  static void Solve(int N, int per_element, const T* constants, const T* drive, const T* state,
-                    const T* loads, const unsigned char* loaded, const unsigned char* watched,
-                    Element* scratch, const PointShape* shapes, T* next, T* velocities, T* size);
+  static void Approach(int N, const int* first_point, const T* constants, const T* drive,
+                       const T* state, Element* scratch, PointShape* shapes, T* points);
+  static void Solve(int N, const int* first_point, const T* constants, const T* drive,
+                    const T* state, const T* loads, const unsigned char* loaded,
+                    const unsigned char* watched, Element* scratch, const PointShape* shapes,
+                    T* next, T* velocities, T* size);
 
  private:
   // The part of an element's cost that has its rates v: 1/2 v.H v + v.(Hv1 velocity + Hv2 spin) -

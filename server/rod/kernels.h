@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <span>
 
 #include "rod/batch_layout.h"
@@ -31,25 +32,26 @@ struct KindKernels {
   /// Bytes of scratch that `step` needs per element.
   int scratch_per_element;
 
-  /// A step in two parts, with loads on points of the strands (S13, S14): at the fractions k /
-  /// per_element of each element, k = 1 .. per_element; of wound strands, points of the axis.
+  /// A step in two parts, with loads on points of the strands (S13, S14): at the fractions k / n of
+  /// each element, k = 1 .. n; of wound strands, points of the axis.
   ///
-  /// @param scratch  N times approach_per_element(per_element) bytes, aligned to 64; as approach
-  ///                 left it, for any number of solves.
-  /// @param points   out: (N x per_element x kPointRows x kLanes)
-  void (*approach)(int N, int per_element, const T* constants, const T* drive, const T* state,
-                   void* scratch, T* points);
-  /// @param loads       (N x per_element x kLoadRows x kLanes)
-  /// @param loaded      whether any lane of a point has a load; others are not read, (N x
-  ///                    per_element).
-  /// @param watched     whose velocities are wanted, (N x per_element).
+  /// @param first_point  of each element, and how many there are in all (N + 1): element Q has n =
+  ///                     first_point[Q + 1] - first_point[Q] >= 1.
+  /// @param scratch      approach_scratch(N, points) bytes, aligned to 64; as approach left it, for
+  ///                     any number of solves.
+  /// @param points       out: (points x kPointRows x kLanes)
+  void (*approach)(int N, const int* first_point, const T* constants, const T* drive,
+                   const T* state, void* scratch, T* points);
+  /// @param loads       (points x kLoadRows x kLanes)
+  /// @param loaded      whether any lane of a point has a load; others are not read, (points).
+  /// @param watched     whose velocities are wanted, (points).
   /// @param next        out: the state that `state` goes to.
-  /// @param velocities  out: of the points in the step, world [m/s], (N x per_element x 3 x kLanes)
+  /// @param velocities  out: of the points in the step, world [m/s], (points x 3 x kLanes)
   /// @param size        as of step.
-  void (*solve)(int N, int per_element, const T* constants, const T* drive, const T* state,
+  void (*solve)(int N, const int* first_point, const T* constants, const T* drive, const T* state,
                 const T* loads, const unsigned char* loaded, const unsigned char* watched,
                 void* scratch, T* next, T* velocities, T* size);
-  int (*approach_per_element)(int per_element);
+  size_t (*approach_scratch)(int N, int points);
 };
 
 /// The batched kernels of one instruction set.
