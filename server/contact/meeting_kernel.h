@@ -85,7 +85,10 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
     const float* element = block.constants + rod::layout::kFirstElement * kLanes;
     const V unit = Row(block.constants, rod::layout::kUnit);
     const float h = numbers.h, dt = numbers.dt;
+    const int points = block.first_point[block.elements];
+    int i = 0;
     V before{};  // Arc length of the element's left end [l0].
+    V sag_before{};
     bool any = false;
     const float* point = block.points;
     float *meeting = block.meetings, *load = block.loads;
@@ -97,10 +100,12 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
       const V radius = block.wound ? unit * Row(element, rod::layout::kRadius) : V{};
       for (int k = 0; k < count; ++k) {
         const V arc = unit * (before + static_cast<float>(k + 1) * share);
-        // A coil's envelope, from nothing at the root; how far curled hair bulges between points.
-        const V around = block.wound ? (0.25F * arc < radius ? 0.25F * arc : radius)
-                                     : Bulge(element, unit * share, count);
-        const V gap = Row(meeting, kDistance) - (numbers.thickness + around);
+        // A coil's envelope, from nothing at the root.
+        const V around = 0.25F * arc < radius ? 0.25F * arc : radius;
+        const V sag_after = ++i < points ? Sag(point, meeting) : V{};
+        const V sag = sag_before > sag_after ? sag_before : sag_after;
+        sag_before = sag_after;
+        const V gap = Row(meeting, kDistance) - (numbers.thickness + around + sag);
         const Vec n = Rows(meeting, kMeetNormal), surface = Rows(meeting, kSurface);
         const Vec last = Rows(point, rod::layout::kLastVelocity), over = last - surface;
         const V towards = Dot(n, over),
@@ -202,7 +207,8 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
   static constexpr float kHolding = 4e3F;
   static constexpr float kSoftStop = 4;
   static constexpr float kLiftDepth = 1e-3F;  // At which what lifts is at its most (K9) [m].
-  static constexpr float kBulge = 3e-3F;      // Most that a strand keeps away for its curl [m].
+  static constexpr float kMostSag = 3e-3F;    // Kept away for what lies between points [m],
+  static constexpr float kSagReach = 2e-2F;   // of those that are so near.
   static constexpr float kCoilSoftness = 3;
   static constexpr float kPlaneReach = 1.2e-3F;  // K7 [m]
   static constexpr float kPlaneShare = 0.3F;
@@ -211,14 +217,19 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
   static constexpr float kReach = 2;      // or from this many times what they move in h.
   static constexpr float kFar = 1e9F;
 
-  // Height of the arc between two points `apart` [m] of an element with its natural curvature [m].
-  static V Bulge(const float* element, const V& apart, int count) {
-    const V b1 = Row(element, rod::layout::kNatural + 1),
-            b2 = Row(element, rod::layout::kNatural + 2);
-    const V bend =
-        (1.0F / static_cast<float>(count)) * simd::MANE_ISA::Sqrt(b1 * b1 + b2 * b2 + 1e-20F);
-    const V height = 0.125F * apart * bend;
-    return height < kBulge ? height : All(kBulge);
+  // How much deeper than a point and the next the strand lies in a body between them: the body's
+  // surface bulges there, and the strand bends towards it (K10) [m].
+  static V Sag(const float* point, const float* meeting) {
+    const V distance = Row(meeting, kDistance), next = Row(meeting, kMeetingRows + kDistance);
+    const V farther = distance > next ? distance : next;
+    const auto counts = farther < kSagReach;
+    if (!simd::MANE_ISA::Any(counts)) return V{};
+    const Vec n = Rows(meeting, kMeetNormal), t = Rows(point, rod::layout::kTangent);
+    const Vec turned = Rows(meeting, kMeetingRows + kMeetNormal) - n;
+    const Vec bent = Rows(point, rod::layout::kPointRows + rod::layout::kTangent) - t;
+    const Vec way = Rows(point, rod::layout::kPointRows) - Rows(point, 0);
+    const V sag = 0.125F * (Dot(turned, way) + Speed(way) * Dot(bent, n + All(0.5F) * turned));
+    return counts & (sag > 0.0F) ? (sag < kMostSag ? sag : All(kMostSag)) : V{};
   }
   static V Abs(const V& x) { return x > 0.0F ? x : -x; }
   static V Speed(const Vec& u) { return simd::MANE_ISA::Sqrt(Dot(u, u) + 1e-20F); }

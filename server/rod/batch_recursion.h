@@ -131,13 +131,16 @@ struct Recursion : StumpffOf<T, W> {
   /// Adds a load at `d` from the left end, by the twist of that alone.
   [[gnu::always_inline]] static void AddLoad(const PointLoad& load, const Vec& d, CostToGo& left) {
     const Vec n = load.normal, m = Cross(d, n);
-    const V square = load.hold * Dot(d, d);
     left.A11.xx += load.hold, left.A11.yy += load.hold, left.A11.zz += load.hold;
     AddOuter(left.A11, load.rest * n, n);
     AddCrossMatrix(left.A12, -load.hold * d, V{});
     AddOuter(left.A12, load.rest * n, m);
-    left.A22.xx += square, left.A22.yy += square, left.A22.zz += square;
-    AddOuter(left.A22, -load.hold * d, d);
+    // hold [d]^T [d]; hold (d.d - d d^T) would take large numbers from each other, and leave less
+    // of what turns about d than float32 can tell (S15).
+    const Vec a = load.hold * d;
+    left.A22.xx += a.y * d.y + a.z * d.z, left.A22.yy += a.x * d.x + a.z * d.z;
+    left.A22.zz += a.x * d.x + a.y * d.y;
+    left.A22.xy -= a.x * d.y, left.A22.xz -= a.x * d.z, left.A22.yz -= a.y * d.z;
     AddOuter(left.A22, load.rest * m, m);
     left.b1 += load.push;
     left.b2 += Cross(d, load.push);
