@@ -211,7 +211,7 @@ void BlockStep::Begin() {
 void BlockStep::Solve() {
   kernels_.solve(block_.elements, first_point_.data(), constants_, drive_[0].lane, state_[0].lane,
                  scratch_.loads[0].lane, scratch_.loaded.data(), scratch_.watched.data(), bytes_,
-                 scratch_.next[0].lane, scratch_.velocities[0].lane, size_.lane);
+                 scratch_.next[0].lane, scratch_.velocities[0].lane, size_.lane, turning_.lane);
 }
 
 bool BlockStep::Revise() {
@@ -227,6 +227,19 @@ bool BlockStep::Finish() {
 uint32_t BlockStep::Commit() {
   std::copy_n(scratch_.next.begin(), state_.size(), state_.begin());
   return rod::FailedLanes(size_);
+}
+
+float BlockStep::Bend() const {
+  float most = 0;
+  for (int lane = 0; lane < block_.count; ++lane) {
+    bool meets = false;
+    for (int i = 0; i < points_ && !meets; ++i) {
+      meets =
+          scratch_.watched[i] != 0 && scratch_.meetings[i * kMeetingRows + kMass].lane[lane] > 0;
+    }
+    if (meets) most = std::max(most, turning_.lane[lane]);
+  }
+  return 0.5F * numbers_.dt * numbers_.dt * most;
 }
 
 Eigen::Vector3f BlockStep::Position(int point, int lane) const {
@@ -258,12 +271,13 @@ uint32_t StepBlockAmong(const BatchContact& contact, const rod::Batch<float>& ba
                         const Block& block, std::span<const int> first_point,
                         std::span<const Row<float>, rod::layout::kDriveRows> drive,
                         std::span<Row<float>> memory, std::span<Row<float>> state,
-                        BatchContactScratch& scratch) {
+                        BatchContactScratch& scratch, float* bend) {
   BlockStep step(contact, batch, block, first_point, drive, memory, state, scratch);
   step.Begin();
   step.Solve();
   if (step.Revise()) step.Solve();
   while (step.Finish()) step.Solve();
+  if (bend != nullptr) *bend = std::max(*bend, step.Bend());
   return step.Commit();
 }
 

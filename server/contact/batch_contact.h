@@ -91,6 +91,10 @@ class BlockStep {
   /// Takes over the new state. @return as rod::StepBlock.
   [[nodiscard]] uint32_t Commit();
 
+  /// How far strands that meet bodies leave the straight lines that the step took them along, at
+  /// most [m] (rod.md, S16).
+  [[nodiscard]] float Bend() const;
+
   [[nodiscard]] int points() const { return points_; }
   /// Of a point, where Begin found it [m], from the head's place at kTheta of the way; what led
   /// there, and what it does in the last solution [m/s], world.
@@ -123,18 +127,19 @@ class BlockStep {
   const float* const constants_;
   void* const bytes_;
   MeetingNumbers numbers_;
-  rod::Row<float> size_;
+  rod::Row<float> size_, turning_;
   int corrections_ = 0;
 };
 
 /// All stages of BlockStep, without impulses of others.
 ///
+/// @param bend  BlockStep::Bend(), if that is more; null where nobody asks.
 /// @return as rod::StepBlock.
 [[nodiscard]] uint32_t StepBlockAmong(
     const BatchContact& contact, const rod::Batch<float>& batch,
     const rod::Batch<float>::Block& block, std::span<const int> first_point,
     std::span<const rod::Row<float>, rod::layout::kDriveRows> drive,
     std::span<rod::Row<float>> memory, std::span<rod::Row<float>> state,
-    BatchContactScratch& scratch);
+    BatchContactScratch& scratch, float* bend = nullptr);
 
 }  // namespace mane::contact

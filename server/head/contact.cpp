@@ -10,11 +10,6 @@
 namespace mane::head {
 namespace {
 
-std::span<rod::Row<float>> MemoryOf(int block, Contact* contact) {
-  return std::span(contact->memory)
-      .subspan(contact->blocks[block].first, contact->blocks[block].rows);
-}
-
 // A body that is that far in a step has been cut to another place.
 math::Pose StartOf(const math::Pose& begin, const math::Pose& end, double duration) {
   return (end.p - begin.p).norm() > kFastestHead * duration ? end : begin;
@@ -29,6 +24,11 @@ Eigen::Vector3d SpinOf(const rod::ClampMotion& head) {
 
 }  // namespace
 
+std::span<rod::Row<float>> MemoryOf(int block, Contact* contact) {
+  return std::span(contact->memory)
+      .subspan(contact->blocks[block].first, contact->blocks[block].rows);
+}
+
 void StartContact(const groom::Groom& groom, std::shared_ptr<const Bodies> bodies,
                   HeadState* state) {
   Contact& contact = state->contact;
@@ -40,7 +40,7 @@ void StartContact(const groom::Groom& groom, std::shared_ptr<const Bodies> bodie
   for (const auto& block : groom.batch.blocks()) {
     const std::vector<int> first_point = contact::FirstPoints(groom.batch, block);
     const size_t rows = contact::MemoryRows(first_point.back(), contact.bodies->groups.size());
-    contact.blocks.push_back({first_point, first_point, first, rows});
+    contact.blocks.push_back({first_point, first_point, first, rows, 1});
     first += rows;
   }
   contact.memory.resize(first);
@@ -95,14 +95,14 @@ uint32_t StepAmongBodies(int index, const rod::Batch<float>& batch,
                          const rod::Batch<float>::Block& block,
                          std::span<const rod::Row<float>, rod::layout::kDriveRows> drive,
                          std::span<const contact::GroupMotion> motions, double surprise,
-                         std::span<rod::Row<float>> state, Contact* contact) {
+                         std::span<rod::Row<float>> state, Contact* contact, float* bend) {
   thread_local contact::BatchContactScratch scratch;
   thread_local std::vector<const contact::BodyGroup*> groups;
   groups.clear();
   for (const Bodies::Group& group : contact->bodies->groups) groups.push_back(&group.bodies);
   const contact::BatchContact among{Kernels(), Meetings(), groups, motions, {}, surprise};
   return contact::StepBlockAmong(among, batch, block, contact->blocks[index].first_point, drive,
-                                 MemoryOf(index, contact), state, scratch);
+                                 MemoryOf(index, contact), state, scratch, bend);
 }
 
 }  // namespace mane::head

@@ -23,6 +23,7 @@ struct Contact {
     std::vector<int> first_point;   ///< and of each element at its level.
     size_t first;                   ///< In `memory`, and
     size_t rows;                    ///< how many.
+    int fineness = 1;               ///< Steps that it makes of one, up to kFinest.
   };
   std::shared_ptr<const Bodies> bodies;  ///< Null before StartContact: hair meets nothing.
   std::vector<math::Pose> moving;        ///< World poses of its moving bodies, (moving_count).
@@ -32,6 +33,11 @@ struct Contact {
   std::vector<rod::Row<float>> memory;
   contact::WispTracker wisps;  ///< Where the wisps of guides touch each other.
 };
+
+/// A block whose hair would leave the straight lines of a step by more than kLargestBend while it
+/// meets bodies makes 2 or kFinest of it (contact.md, K11).
+inline constexpr int kFinest = 4;
+inline constexpr float kLargestBend = 1e-3F;  // [m]
 
 struct HeadState;
 
@@ -62,10 +68,14 @@ void Remember(const rod::ClampMotion& head, Contact* contact);
 /// One step of a block, of the groom's batch or of its level's; as rod::StepBlock.
 ///
 /// @param index  of the block in the groom's batch.
+/// @param bend   as of contact::StepBlockAmong.
 [[nodiscard]] uint32_t StepAmongBodies(
     int index, const rod::Batch<float>& batch, const rod::Batch<float>::Block& block,
     std::span<const rod::Row<float>, rod::layout::kDriveRows> drive,
     std::span<const contact::GroupMotion> motions, double surprise,
-    std::span<rod::Row<float>> state, Contact* contact);
+    std::span<rod::Row<float>> state, Contact* contact, float* bend);
+
+/// The rows that are remembered of a block.
+[[nodiscard]] std::span<rod::Row<float>> MemoryOf(int block, Contact* contact);
 
 }  // namespace mane::head

@@ -66,7 +66,7 @@ void FinishBlock(const groom::Groom& groom, int i, const Movement& movement, dou
 void SetDrives(const HeadState& from, const Movement& movement, int steps, int begin, int end,
                const Environment& environment, const WindField& wind,
                std::vector<StepDrive>* drives) {
-  drives->resize(kStepsAtOnce);
+  drives->resize(kStepsAtOnce * kFinest);
   const auto pose = [&](int i) {
     return i == steps
                ? movement.target
@@ -104,9 +104,19 @@ void SetEddies(const groom::Groom& groom, const rod::Batch<float>::Block& block,
   wind.Evaluate(drive.time, drive.head.p, roots, std::span(*rows).subspan<rod::layout::kWind, 3>());
 }
 
-// One step of one block at its level; bit i is set where lane i failed.
+// The rows of block `i` that steps change.
+Rows MovingRows(const groom::Groom& groom, int i, HeadState* state) {
+  if (LevelOf(*state, i) > 0) return CoarseState(groom, i, &state->detail);
+  const rod::Batch<float>::Block& block = groom.batch.blocks()[i];
+  return Rows(state->guides)
+      .subspan(block.state,
+               static_cast<size_t>(block.elements) * rod::layout::StateRowsPerElement(block.kind));
+}
+
+// One step of one block at its level; bit i is set where lane i failed. `bend` is as of
+// contact::StepBlockAmong.
 uint32_t StepAtLevel(const groom::Groom& groom, int i, const StepDrive& drive, const Drive& rows,
-                     HeadState* state) {
+                     HeadState* state, float* bend) {
   thread_local rod::BatchScratch scratch;
   const bool full = LevelOf(*state, i) == 0;
   const rod::Batch<float>& batch =
@@ -115,7 +125,7 @@ uint32_t StepAtLevel(const groom::Groom& groom, int i, const StepDrive& drive, c
   const Rows moving = full ? Rows(state->guides) : CoarseState(groom, i, &state->detail);
   if (state->contact.bodies != nullptr) {
     return StepAmongBodies(i, batch, block, rows, drive.bodies, drive.surprise, moving,
-                           &state->contact);
+                           &state->contact, bend);
   }
   return rod::StepBlock<float>(Kernels(), batch, block, rows, moving, scratch);
 }
@@ -158,7 +168,7 @@ int AdvanceAmongWisps(const groom::Groom& groom, const StepDrive& drive, const W
 
 // All given steps of block `i`. Returns how many strands had to be put to rest.
 int AdvanceBlock(const groom::Groom& groom, int i, std::span<const StepDrive> drives,
-                 const WindField& wind, HeadState* state) {
+                 const WindField& wind, HeadState* state, float* bend) {
   const rod::Batch<float>::Block& block = groom.batch.blocks()[i];
   Drive windy;
   int repaired = 0;
@@ -167,11 +177,36 @@ int AdvanceBlock(const groom::Groom& groom, int i, std::span<const StepDrive> dr
       windy = drive.rows;
       SetEddies(groom, block, drive, wind, &windy);
     }
-    repaired +=
-        Repair(groom, i, StepAtLevel(groom, i, drive, wind.turbulent() ? windy : drive.rows, state),
-               state);
+    repaired += Repair(
+        groom, i, StepAtLevel(groom, i, drive, wind.turbulent() ? windy : drive.rows, state, bend),
+        state);
   }
   return repaired;
+}
+
+// All given steps of a block among bodies, which are `fineness` times as many as a coarse one
+// makes. Returns how many times as many it must make instead, and is then as it was; 0 when done.
+int AdvanceAmongBodies(const groom::Groom& groom, int i, int fineness,
+                       std::span<const StepDrive> drives, const WindField& wind, HeadState* state,
+                       std::atomic<int>* repaired) {
+  thread_local std::vector<rod::Row<float>> moving_before, memory_before;
+  const Rows moving = MovingRows(groom, i, state), memory = MemoryOf(i, &state->contact);
+  if (fineness < kFinest) {
+    moving_before.assign(moving.begin(), moving.end());
+    memory_before.assign(memory.begin(), memory.end());
+  }
+  float bend = 0;
+  const int put_to_rest = AdvanceBlock(groom, i, drives, wind, state, &bend);
+  int& own = state->contact.blocks[i].fineness;
+  if (bend > kLargestBend && fineness < kFinest) {
+    std::ranges::copy(moving_before, moving.begin());
+    std::ranges::copy(memory_before, memory.begin());
+    return own = 2 * fineness;
+  }
+  *repaired += put_to_rest;
+  // Steps twice as long bend four times as far.
+  own = bend < kLargestBend / 8 ? std::max(1, fineness / 2) : fineness;
+  return 0;
 }
 
 }  // namespace
@@ -250,7 +285,8 @@ StepReport Advance(const groom::Groom& groom, const Movement& movement,
   if ((movement.target.p - state->pose.p).norm() > kFastestHead * movement.duration) {
     Teleport(groom, movement.target, state);
   }
-  const bool wisps = state->contact.bodies != nullptr && state->contact.bodies->wisps;
+  const bool bodies = state->contact.bodies != nullptr;
+  const bool wisps = bodies && state->contact.bodies->wisps;
   // Wisps meet at points that a level of detail would change.
   const bool detail = environment.detail_tolerance > 0 && state->detail.levels && !wisps;
   if (!detail) StopDetail(groom, state);
@@ -265,25 +301,40 @@ StepReport Advance(const groom::Groom& groom, const Movement& movement,
     state->detail.spin = math::RotationVector(turn) / movement.duration;
   }
   std::atomic<int> repaired = 0;
+  // Steps that a block has to make of one in this round; 0 when it is done.
+  thread_local std::vector<int> own_due;
+  std::vector<int>& due = own_due;
   for (int begin = 0; begin < steps; begin += kStepsAtOnce) {
     const int end = std::min(steps, begin + kStepsAtOnce);
-    SetDrives(*state, movement, steps, begin, end, environment, wind, &drives);
-    const std::span<const StepDrive> now = std::span(drives).first(end - begin);
-    if (wisps) {
-      for (const StepDrive& drive : now) {
-        repaired += AdvanceAmongWisps(groom, drive, wind, state, pool);
+    due.assign(blocks, 1);
+    for (int i = 0; bodies && !wisps && i < blocks; ++i) due[i] = state->contact.blocks[i].fineness;
+    for (int fineness = 1; fineness <= kFinest; fineness *= 2) {
+      if (std::ranges::find(due, fineness) == due.end()) continue;
+      SetDrives(*state, movement, steps * fineness, begin * fineness, end * fineness, environment,
+                wind, &drives);
+      const std::span<const StepDrive> now = std::span(drives).first((end - begin) * fineness);
+      if (wisps) {
+        for (const StepDrive& drive : now) {
+          repaired += AdvanceAmongWisps(groom, drive, wind, state, pool);
+        }
+        break;
       }
-      continue;
+      pool.ParallelFor(blocks, kBlocksPerPiece, [&](int first, int last) {
+        for (int i = first; i < last; ++i) {
+          if (due[i] != fineness) continue;
+          if (bodies) {
+            due[i] = AdvanceAmongBodies(groom, i, fineness, now, wind, state, &repaired);
+          } else {
+            repaired += AdvanceBlock(groom, i, now, wind, state, nullptr);
+          }
+          if (detail && end == steps && (!bodies || due[i] == 0)) {
+            FinishBlock(groom, i, movement, environment.detail_tolerance, state);
+          }
+        }
+      });
     }
-    pool.ParallelFor(blocks, kBlocksPerPiece, [&](int first, int last) {
-      for (int i = first; i < last; ++i) {
-        repaired += AdvanceBlock(groom, i, now, wind, state);
-        if (detail && end == steps)
-          FinishBlock(groom, i, movement, environment.detail_tolerance, state);
-      }
-    });
   }
-  if (state->contact.bodies != nullptr) {
+  if (bodies) {
     Remember({state->pose, movement.target, movement.duration}, &state->contact);
   }
   state->pose = movement.target;

@@ -56,12 +56,12 @@ void ApproachBlock(int N, const int* first_point, const T* constants, const T* d
 template <typename T, typename Kernel, int W>
 void SolveBlock(int N, const int* first_point, const T* constants, const T* drive, const T* state,
                 const T* loads, const unsigned char* loaded, const unsigned char* watched,
-                void* scratch, T* next, T* velocities, T* size) {
+                void* scratch, T* next, T* velocities, T* size, T* turning) {
   for (int lane = 0; lane < layout::kLanes; lane += W) {
     const ApproachScratch<Kernel> own(scratch, N, first_point[N], lane / W);
     Kernel::Solve(N, first_point, constants + lane, drive + lane, state + lane, loads + lane,
                   loaded, watched, own.elements, own.shapes, next + lane, velocities + lane,
-                  size + lane);
+                  size + lane, turning + lane);
   }
 }
 

@@ -83,7 +83,8 @@ template <typename T, int W>
 void StrandStep<T, W>::Solve(int N, const int* first_point, const T* constants, const T* drive,
                              const T* state, const T* loads, const unsigned char* loaded,
                              const unsigned char* watched, Element* scratch,
-                             const PointShape* shapes, T* next, T* velocities, T* size) {
+                             const PointShape* shapes, T* next, T* velocities, T* size,
+                             T* turning) {
   const Clamp clamp = ReadClamp(constants, drive);
   const Constants step = Prepare(constants, drive, clamp.velocity);
   const V unit = Row(constants, layout::kUnit), inverse = Row(constants, layout::kInverseUnit);
@@ -91,7 +92,7 @@ void StrandStep<T, W>::Solve(int N, const int* first_point, const T* constants, 
   const auto loads_of = [&](int Q) __attribute__((always_inline)) {
     return Loads{all.Of(first_point[Q], first_point[Q + 1])};
   };
-  SolveWith(N, clamp, step, constants, drive, state, loads_of, scratch, next, size);
+  SolveWith(N, clamp, step, constants, drive, state, loads_of, scratch, next, size, turning);
 }
 
 // Wound strands: points of the axis.
@@ -173,7 +174,7 @@ template <typename T, int W>
 void WoundStep<T, W>::Solve(int N, const int* first_point, const T* constants, const T* drive,
                             const T* state, const T* loads, const unsigned char* loaded,
                             const unsigned char* watched, Element* scratch,
-                            const PointShape* shapes, T* next, T* velocities, T* size) {
+                            const PointShape* shapes, T* next, T* velocities, T* size, T* turning) {
   const Clamp clamp = AxisClamp(constants, drive);
   const Constants step = Prepare(constants, drive, clamp.velocity);
   const V unit = Row(constants, layout::kUnit), inverse = Row(constants, layout::kInverseUnit);
@@ -181,7 +182,7 @@ void WoundStep<T, W>::Solve(int N, const int* first_point, const T* constants, c
   const auto loads_of = [&](int Q) __attribute__((always_inline)) {
     return Loads{all.Of(first_point[Q], first_point[Q + 1])};
   };
-  SolveWith(N, clamp, step, constants, drive, state, loads_of, scratch, next, size);
+  SolveWith(N, clamp, step, constants, drive, state, loads_of, scratch, next, size, turning);
 }
 
 }  // namespace MANE_ISA

@@ -90,10 +90,10 @@ class Solver {
     rows[layout::kSurfaceSpeed].lane[lane] = static_cast<T>(load.surface_speed);
   }
   void Solve(std::span<const Row<T>> state, std::span<Row<T>> next) {
-    Row<T> size;
+    Row<T> size, turning;
     kernels_.solve(block_.elements, first_point_.data(), batch_.constants(block_), drive_[0].lane,
                    state[block_.state].lane, loads_[0].lane, loaded_.data(), watched_.data(),
-                   bytes_, next[block_.state].lane, velocities_[0].lane, size.lane);
+                   bytes_, next[block_.state].lane, velocities_[0].lane, size.lane, turning.lane);
   }
   Vector3d Point(int point, int lane, int row) const {
     return At(points_, point * layout::kPointRows + row, lane);

@@ -216,6 +216,15 @@ struct Recursion : StumpffOf<T, W> {
     return k + (friction > least ? friction : least);
   }
 
+  /// Adds to the acceleration by which joints leave straight lines that of an element that turns
+  /// with `spin`, while its right end gains `faster` on its left one; `most` is the largest square.
+  [[gnu::always_inline]] static void AddTurning(const Vec& spin, const Vec& faster, Vec& leaves,
+                                                V& most) {
+    leaves += Cross(spin, faster);
+    const V square = Dot(leaves, leaves);
+    most = square > most ? square : most;
+  }
+
   /// What the angles' rates v turn the right end by: T v, T = 1 + c2 [th] + c3 [th]^2 (H5).
   [[gnu::always_inline]] static Vec EndTurn(const Vec& th, const Vec& v, const V& c2, const V& c3) {
     const Vec turn = Cross(th, v);

@@ -64,7 +64,7 @@ class StrandStep : Recursion<T, W> {
   static void Solve(int N, const int* first_point, const T* constants, const T* drive,
                     const T* state, const T* loads, const unsigned char* loaded,
                     const unsigned char* watched, Element* scratch, const PointShape* shapes,
-                    T* next, T* velocities, T* size);
+                    T* next, T* velocities, T* size, T* turning);
 
  private:
   // The part of an element's cost that has its rates v: 1/2 v.H v + v.(Hv1 velocity + Hv2 spin) -
@@ -126,7 +126,7 @@ class StrandStep : Recursion<T, W> {
   template <typename LoadsOf>
   static void SolveWith(int N, const Clamp& clamp, const Constants& step, const T* constants,
                         const T* drive, const T* state, const LoadsOf& loads_of, Element* scratch,
-                        T* next, T* size);
+                        T* next, T* size, T* turning);
 };
 
 // Root to tip: frames and shapes at the extrapolated angles.
@@ -361,7 +361,7 @@ template <typename T, int W>
 template <typename LoadsOf>
 [[gnu::always_inline]] inline void StrandStep<T, W>::SolveWith(
     int N, const Clamp& clamp, const Constants& step, const T* constants, const T* drive,
-    const T* state, const LoadsOf& loads_of, Element* scratch, T* next, T* size) {
+    const T* state, const LoadsOf& loads_of, Element* scratch, T* next, T* size, T* turning) {
   const Vec stiffness = Rows(constants, layout::kStiffness);
   const V rotary = Row(constants, layout::kRotaryInertia);
   constexpr int kConstants = layout::kConstantsPerElement * layout::kLanes;
@@ -387,16 +387,22 @@ template <typename LoadsOf>
 
   const V dt = Row(drive, layout::kDuration);
   Vec velocity = clamp.velocity, spin = clamp.spin;
-  V sum{}, largest{};
+  V sum{}, largest{}, most{};
+  Vec leaves{};  // Twice the acceleration of the right end (S16).
   for (int Q = 0; Q < N; ++Q) {
+    const Vec from = velocity, turns = spin;
     sum += Advance(dt, element_constants + Q * kConstants, loads_of(Q), scratch[Q], velocity, spin,
                    state + Q * kState, next + Q * kState);
+    Base::AddTurning(turns + spin, velocity - from, leaves, most);
     const Vec q = Rows(next + Q * kState, layout::kAngles);
     const V square = Dot(q, q);
     largest = square > largest ? square : largest;
   }
   const auto finite = (sum < T(1e30)) & (sum > T(-1e30));
   simd::MANE_ISA::Store(finite ? largest : All(1e30), size);
+  if (turning == nullptr) return;
+  const V half = T(0.5) * Row(constants, layout::kUnit);
+  simd::MANE_ISA::Store(half * simd::MANE_ISA::Sqrt(most), turning);
 }
 
 template <typename T, int W>
@@ -406,7 +412,8 @@ void StrandStep<T, W>::Step(int N, const T* constants, const T* drive, T* state,
   const Constants step = Prepare(constants, drive, clamp.velocity);
   Linearise(N, clamp, step.h, state, scratch);
   SolveWith(
-      N, clamp, step, constants, drive, state, [](int) { return NoLoads{}; }, scratch, state, size);
+      N, clamp, step, constants, drive, state, [](int) { return NoLoads{}; }, scratch, state, size,
+      nullptr);
 }
 
 }  // namespace MANE_ISA
