@@ -1,5 +1,6 @@
 #include "head/contact.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "base/check.h"
@@ -9,6 +10,8 @@
 
 namespace mane::head {
 namespace {
+
+constexpr double kArm = 0.3;  // At which hair lies from what turns [m].
 
 // A body that is that far in a step has been cut to another place.
 math::Pose StartOf(const math::Pose& begin, const math::Pose& end, double duration) {
@@ -81,9 +84,21 @@ void SetGroupMotions(const Contact& contact, std::span<const math::Pose> targets
 }
 
 double Surprise(const Contact& contact, const rod::ClampMotion& head) {
-  constexpr double kArm = 0.3;  // [m]
   return head.dt * ((VelocityOf(head) - contact.velocity).norm() +
                     kArm * (SpinOf(head) - contact.spin).norm());
+}
+
+int FinenessFor(const Contact& contact, std::span<const math::Pose> targets,
+                const rod::ClampMotion& head, int steps) {
+  double way = Surprise(contact, head);
+  for (size_t i = 0; i < targets.size(); ++i) {
+    const math::Pose from = head.begin.Inverse() * StartOf(contact.moving[i], targets[i], head.dt);
+    const math::Pose to = head.end.Inverse() * targets[i];
+    way = std::max(way, (to.p - from.p).norm() + kArm * from.q.angularDistance(to.q));
+  }
+  int fineness = 1;
+  while (fineness < kFinest && way > kLargestWay * steps * fineness) fineness *= 2;
+  return fineness;
 }
 
 void Remember(const rod::ClampMotion& head, Contact* contact) {

@@ -38,6 +38,8 @@ struct Contact {
 /// meets bodies makes 2 or kFinest of it (contact.md, K11).
 inline constexpr int kFinest = 4;
 inline constexpr float kLargestBend = 1e-3F;  // [m]
+/// How far bodies come on the head, or the head where its hair does not expect it, in a step [m].
+inline constexpr double kLargestWay = 0.01;
 
 struct HeadState;
 
@@ -62,6 +64,9 @@ void SetGroupMotions(const Contact& contact, std::span<const math::Pose> targets
 /// How far hair may move in a step along `head` besides what it did in the last one, for what the
 /// clamp does [m].
 [[nodiscard]] double Surprise(const Contact& contact, const rod::ClampMotion& head);
+/// Steps to make of each of `steps` along `head` for how far bodies come in it, 1 to kFinest.
+[[nodiscard]] int FinenessFor(const Contact& contact, std::span<const math::Pose> targets,
+                              const rod::ClampMotion& head, int steps);
 /// Remembers the last step.
 void Remember(const rod::ClampMotion& head, Contact* contact);
 

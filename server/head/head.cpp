@@ -301,13 +301,17 @@ StepReport Advance(const groom::Groom& groom, const Movement& movement,
     state->detail.spin = math::RotationVector(turn) / movement.duration;
   }
   std::atomic<int> repaired = 0;
+  const rod::ClampMotion whole{state->pose, movement.target, movement.duration};
+  const int coarsest = bodies ? FinenessFor(state->contact, movement.bodies, whole, steps) : 1;
   // Steps that a block has to make of one in this round; 0 when it is done.
   thread_local std::vector<int> own_due;
   std::vector<int>& due = own_due;
   for (int begin = 0; begin < steps; begin += kStepsAtOnce) {
     const int end = std::min(steps, begin + kStepsAtOnce);
-    due.assign(blocks, 1);
-    for (int i = 0; bodies && !wisps && i < blocks; ++i) due[i] = state->contact.blocks[i].fineness;
+    due.assign(blocks, coarsest);
+    for (int i = 0; bodies && !wisps && i < blocks; ++i) {
+      due[i] = std::max(coarsest, state->contact.blocks[i].fineness);
+    }
     for (int fineness = 1; fineness <= kFinest; fineness *= 2) {
       if (std::ranges::find(due, fineness) == due.end()) continue;
       SetDrives(*state, movement, steps * fineness, begin * fineness, end * fineness, environment,
@@ -335,7 +339,7 @@ StepReport Advance(const groom::Groom& groom, const Movement& movement,
     }
   }
   if (bodies) {
-    Remember({state->pose, movement.target, movement.duration}, &state->contact);
+    Remember(whole, &state->contact);
   }
   state->pose = movement.target;
   if (!movement.bodies.empty()) {
