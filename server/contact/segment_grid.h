@@ -36,8 +36,9 @@ class SegmentGrid {
   /// @param boxes  by guide; looked at until the next Build.
   void Build(std::span<const SegmentBox> boxes);
 
-  /// Calls visit(b) once for each box b that overlaps box a and belongs to a later guide.
-  template <typename Visit>
+  /// Calls visit(b) once for each box b that overlaps box a and belongs to a later guide, or if
+  /// `all`, to any other.
+  template <bool all = false, typename Visit>
   void ForOverlapping(int a, const Visit& visit) const {
     const SegmentBox& box = boxes_[static_cast<size_t>(a)];
     if (box.guide < 0) return;
@@ -50,10 +51,10 @@ class SegmentGrid {
           // A row of cells is a stretch of boxes, or two where it goes round.
           const int low = cells.low[0] & mask, high = cells.high[0] & mask;
           if (low <= high) {
-            VisitRow(level, level.Index(low, y, z), level.Index(high, y, z), box, visit);
+            VisitRow<all>(level, level.Index(low, y, z), level.Index(high, y, z), box, visit);
           } else {
-            VisitRow(level, level.Index(0, y, z), level.Index(high, y, z), box, visit);
-            VisitRow(level, level.Index(low, y, z), level.Index(mask, y, z), box, visit);
+            VisitRow<all>(level, level.Index(0, y, z), level.Index(high, y, z), box, visit);
+            VisitRow<all>(level, level.Index(low, y, z), level.Index(mask, y, z), box, visit);
           }
         }
       }
@@ -93,13 +94,14 @@ class SegmentGrid {
   };
 
   // Those of the cells [first, last].
-  template <typename Visit>
+  template <bool all, typename Visit>
   static void VisitRow(const Level& level, size_t first, size_t last, const SegmentBox& box,
                        const Visit& visit) {
     const auto end = static_cast<size_t>(level.start[last + 1]);
     for (auto k = static_cast<size_t>(level.start[first]); k < end; ++k) {
       const SegmentBox& other = level.boxes[k];
-      if (other.guide > box.guide && box.Overlaps(other)) visit(level.index[k]);
+      const bool counts = all ? other.guide != box.guide : other.guide > box.guide;
+      if (counts && box.Overlaps(other)) visit(level.index[k]);
     }
   }
 

@@ -63,29 +63,36 @@ Contact Approach(const WispPoints& points, const WispStep& step, const int32_t g
           d + time * w};
 }
 
-Contact Walk(const WispPoints& points, const WispStep& step, const WispScratch& scratch,
-             const int32_t guide[2], const int32_t point[2]) {
-  Contact contact = Approach(points, step, guide, point);
+void Walk(const WispPoints& points, const WispStep& step, const WispScratch& scratch,
+          Contact& contact) {
+  const int32_t guide[2] = {contact.guide[0], contact.guide[1]};
   const auto go = [&](const int32_t next[2]) {
     const Contact closer = Approach(points, step, guide, next);
     const bool better = closer.distance < contact.distance;
     if (better) contact = closer;
     return better;
   };
+  const auto edge = [&](int32_t p) -> Vector3f {
+    const auto k = static_cast<size_t>(p);
+    return points.Position(k + 1) - points.Position(k);
+  };
   for (int tries = 0; tries < 5; ++tries) {
     int32_t next[2];
     for (int k = 0; k < 2; ++k) {
       const float s = contact.fraction[k];
-      const int32_t p = contact.point[k] + (s >= 1 ? 1 : 0) - (s <= 0 ? 1 : 0);
-      const bool usable = p >= 0 && scratch.guide_of[static_cast<size_t>(p)] == guide[k];
-      next[k] = usable ? p : contact.point[k];
+      next[k] = contact.point[k];
+      const int way = s >= 1 ? 1 : s <= 0 ? -1 : 0;
+      const int32_t p = contact.point[k] + way;
+      if (way == 0 || p < 0 || scratch.guide_of[static_cast<size_t>(p)] != guide[k]) continue;
+      // Only where the next segment leads nearer to the other.
+      const float nearer = (k == 0 ? -1.0f : 1.0f) * contact.approach.dot(edge(p));
+      if (static_cast<float>(way) * nearer > 0) next[k] = p;
     }
     const int32_t first[2] = {next[0], contact.point[1]};
     const int32_t second[2] = {contact.point[0], next[1]};
     const bool one = next[0] != contact.point[0], two = next[1] != contact.point[1];
     if (!(one && two && go(next)) && !(one && go(first)) && !(two && go(second))) break;
   }
-  return contact;
 }
 
 }  // namespace mane::contact

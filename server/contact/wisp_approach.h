@@ -6,12 +6,6 @@
 
 namespace mane::contact {
 
-/// The step in which wisps are searched.
-struct WispStep {
-  float dt;  ///< [s]
-  float h;   ///< kTheta dt: positions are extrapolated by it [s].
-};
-
 inline constexpr float kLargestRadius = 0.1f;  ///< A wisp counts as no wider [m].
 /// Wisps farther apart than their radii by this part of the sum are no pair.
 inline constexpr float kMargin = 0.25f;
@@ -34,10 +28,9 @@ inline constexpr float kUnknown = -1;  ///< Slack of what has to be looked at [m
 [[nodiscard]] WispScratch::Contact Approach(const WispPoints& points, const WispStep& step,
                                             const int32_t guide[2], const int32_t point[2]);
 
-/// The contact of two segments or, where they touch at an end, of the next ones along the guides as
-/// long as those are closer.
-[[nodiscard]] WispScratch::Contact Walk(const WispPoints& points, const WispStep& step,
-                                        const WispScratch& scratch, const int32_t guide[2],
-                                        const int32_t point[2]);
+/// Where two segments touch at an end, goes on to the next ones along the guides as long as those
+/// are closer.
+void Walk(const WispPoints& points, const WispStep& step, const WispScratch& scratch,
+          WispScratch::Contact& contact);
 
 }  // namespace mane::contact

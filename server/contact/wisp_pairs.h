@@ -7,8 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "contact/segment_grid.h"
-#include "contact/wisp_points.h"
+#include "contact/wisp_links.h"
 #include "exec/worker_pool.h"
 
 namespace mane::contact {
@@ -76,59 +75,9 @@ struct Heaviness {
   float normal = 1, sliding = 1;
 };
 
-/// Which links of segments may meet in the steps to come (H3).
-struct WispNeighbours {
-  /// Of links, by their first points; the first's guide is before the second's.
-  struct Pair {
-    int32_t first, second;
-    float slack;        ///< They need not be looked at until they have moved by this [m].
-    int8_t segment[2];  ///< Which of each touch; the first is -1 where none do.
-  };
-  /// How a guide is cut into links.
-  struct Layout {
-    int32_t begin;      ///< First point beyond the root.
-    int32_t link;       ///< Segments of a link.
-    int32_t links = 0;  ///< Their number.
-  };
-  std::vector<int32_t> first;     ///< WispPoints::first that all is for.
-  std::vector<Layout> layout;     ///< By guide.
-  std::vector<SegmentBox> boxes;  ///< Around what links may sweep, seen from the mean of the hair;
-                                  ///< by their first points.
-  std::vector<Eigen::Vector3f> start;  ///< Of points, in the last step [m].
-  std::vector<Pair> pairs;             ///< Of overlapping boxes, by the first's guide.
-  std::vector<int32_t> first_of;       ///< By guide, and their number.
-};
-
 /// Memory of the steps of one head; grows to what it has seen and is reused.
 struct WispScratch {
-  /// A segment as the search first looks at it: its middle.
-  struct Middle {
-    Eigen::Vector3f start;     ///< At the start of the step [m].
-    float half;                ///< Of its length [m].
-    Eigen::Vector3f velocity;  ///< [m/s]
-  };
-  /// A link of segments in a step.
-  struct Link {
-    Eigen::Vector3f middle;  ///< Of its ends at the start of the step [m],
-    float radius;            ///< and how far from it a point of it is at most.
-    Eigen::Vector3f drift;   ///< Mean velocity of its ends [m/s].
-    float spread;            ///< What a point of it will move beside that at most [m].
-    Eigen::Vector3f moved;   ///< What its ends have moved since the last step, as a mean [m],
-    float wobble;            ///< and a point of it beside that at most.
-    float half;              ///< Of its longest segment [m].
-    float reach;             ///< Its wisp's radius and margin [m].
-    int32_t guide;
-    int32_t count;  ///< Of segments.
-  };
-  /// Two links that may meet.
-  struct Candidate {
-    int32_t guide;     ///< The second's.
-    int32_t link[2];   ///< First points of both,
-    int32_t point[2];  ///< and of their segments that come closest.
-    float distance;    ///< About the least within the step [m].
-    WispNeighbours::Pair* pair;
-  };
-  /// Where they touch.
+  /// Where two wisps touch.
   struct Contact {
     int32_t guide[2];
     int32_t point[2];
@@ -136,6 +85,15 @@ struct WispScratch {
     float distance;            ///< The least within the step [m].
     Eigen::Vector3f start;     ///< From the second to the first at the start of the step [m],
     Eigen::Vector3f approach;  ///< and where they first touch, or come closest.
+  };
+  /// Two links that may meet.
+  struct Candidate {
+    int32_t guide;     ///< The second's.
+    int32_t link[2];   ///< Which they are,
+    int32_t point[2];  ///< the segments of theirs that come closest,
+    float distance;    ///< how near those do within the step [m],
+    Contact contact;   ///< and where these or the next ones along the guides touch.
+    WispNeighbours::Pair* pair;
   };
   /// What a piece of guides finds.
   struct Piece {
@@ -151,12 +109,14 @@ struct WispScratch {
 
   std::vector<int32_t> guide_of;  ///< Guide of the segment from each point; -1 where none is.
   std::vector<float> guide_mass;  ///< Of the points beyond the root [kg].
-  std::vector<Middle> middles;    ///< Of segments, by their first points.
-  std::vector<Link> links;        ///< Likewise.
-  std::vector<uint8_t> fits;      ///< Whether a guide's links are in their boxes.
+  std::vector<Eigen::Vector3f> last_place;  ///< WispNeighbours::place, of the last step,
+  std::vector<Eigen::Vector3f> sweep;       ///< and what points will move in the frame [m].
+  std::vector<WispLink> links;
+  std::vector<SegmentBox> boxes;  ///< Of links.
+  std::vector<uint8_t> moved;     ///< Whether a link's neighbours are searched anew.
   SegmentGrid grid;
-  std::vector<WispNeighbours::Pair> neighbours;  ///< Before the last search,
-  std::vector<int32_t> first_neighbour;          ///< and by guide, and their number.
+  std::vector<WispNeighbours::Pair> found;       ///< By the search,
+  std::vector<WispNeighbours::Pair> neighbours;  ///< and all before it.
   std::vector<Piece> pieces;
   std::vector<WispPair> pairs;     ///< Of the last step.
   std::vector<uint8_t> followed;   ///< Which of them have gone on.

@@ -11,125 +11,157 @@ namespace {
 
 using Candidate = WispScratch::Candidate;
 using Contact = WispScratch::Contact;
-using Link = WispScratch::Link;
+using Eigen::Vector3f;
 
 // By the links' reach: how far they move until those that meet are compared again,
 constexpr float kPatience = 0.35f;
-constexpr float kLate = 0.1f;   // what may come in before it is seen, if not within the radii,
-constexpr float kFast = 0.25f;  // and what they sweep at which it is followed.
+constexpr float kLate = 0.1f;  // what may come in before it is seen, if not within the radii,
+constexpr float kFast =
+    0.25f;  // what they sweep from which on it is what they come to that counts,
+constexpr float kFollowed = 0.5f;  // and up to which those that meet are followed.
 
-// Distance of a candidate's segments at the start of the step [m].
-float Apart(const WispNeighbours& neighbours, const int32_t point[2]) {
-  const auto segment = [&](int k) {
-    const auto p = static_cast<size_t>(point[k]);
-    return Segment{neighbours.start[p], neighbours.start[p + 1]};
-  };
-  const Segment s = segment(0), t = segment(1);
+Segment SegmentAt(const WispNeighbours& neighbours, int32_t point) {
+  const auto p = static_cast<size_t>(point);
+  return {neighbours.place[p], neighbours.place[p + 1]};
+}
+
+float Apart(const Segment& s, const Segment& t) {
   const ClosestFractions at = ClosestPoints(s, t);
   return (s.At(at.s) - t.At(at.t)).norm();
 }
 
-// Calls visit(first's segment, second's) for all of two links.
-template <typename Visit>
-void ForSegments(const Link& a, const Link& b, const int32_t link[2], const Visit& visit) {
-  for (int32_t p = link[0]; p < link[0] + a.count; ++p) {
-    for (int32_t q = link[1]; q < link[1] + b.count; ++q) visit(p, q);
-  }
+// How two links are to each other by the lines between their ends.
+struct Lines {
+  float apart;    // No points of them are nearer at the start of the step [m],
+  float nearing;  // nor will they come nearer in it by more than this [m].
+};
+
+Lines Between(const WispNeighbours& neighbours, const WispScratch& scratch, const WispLink& a,
+              const WispLink& b) {
+  const auto of = [](const std::vector<Vector3f>& list, const WispLink& link) {
+    const auto p = static_cast<size_t>(link.point);
+    return Segment{list[p], list[p + static_cast<size_t>(link.count)]};
+  };
+  const Segment s = of(neighbours.place, a), t = of(neighbours.place, b);
+  const Segment sweep = of(scratch.sweep, a), other_sweep = of(scratch.sweep, b);
+  const ClosestFractions at = ClosestPoints(s, t);
+  // No line is between the planes across it; so only what ends move along it brings them nearer.
+  const Vector3f d = s.At(at.s) - t.At(at.t);
+  const float distance = d.norm();
+  const Vector3f n = d / std::max(distance, 1e-9f);
+  const float nearing = std::max(other_sweep.a.dot(n), other_sweep.b.dot(n)) -
+                        std::min(sweep.a.dot(n), sweep.b.dot(n));
+  return {distance - a.bulge - b.bulge, std::max(0.0f, nearing) + a.ripple + b.ripple};
 }
 
-// How far apart two links are at the start of the step, and where they are closest: of what is
-// nearer than `near` where middles of segments are, or by the next ones; of what is not, a bound.
-float Closest(const WispNeighbours& neighbours, const WispScratch& scratch, float near,
+// The middles of a link's segments, in lists of what they are taken of.
+struct Middles {
+  Vector3f at[kLongestLink];
+
+  Middles(const std::vector<Vector3f>& of, const WispLink& link) {
+    const auto p = static_cast<size_t>(link.point);
+    for (size_t k = 0; k < static_cast<size_t>(link.count); ++k) {
+      at[k] = 0.5f * (of[p + k] + of[p + k + 1]);
+    }
+  }
+};
+
+// How far apart two links are at the start of the step, and where.
+float Closest(const WispNeighbours& neighbours, const WispLink& a, const WispLink& b,
               Candidate& candidate) {
-  const Link& a = scratch.links[static_cast<size_t>(candidate.link[0])];
-  const Link& b = scratch.links[static_cast<size_t>(candidate.link[1])];
-  const float halves = a.half + b.half;
-  const auto middles_2 = [&](int32_t p, int32_t q) {
-    return (scratch.middles[static_cast<size_t>(p)].start -
-            scratch.middles[static_cast<size_t>(q)].start)
-        .squaredNorm();
-  };
+  const Middles mine(neighbours.place, a), other(neighbours.place, b);
+  float apart_2[kLongestLink][kLongestLink];
   float least_2 = 1e30f;
-  ForSegments(a, b, candidate.link, [&](int32_t p, int32_t q) {
-    const float apart_2 = middles_2(p, q);
-    if (apart_2 >= least_2) return;
-    least_2 = apart_2;
-    candidate.point[0] = p;
-    candidate.point[1] = q;
-  });
-  const float bound = std::sqrt(least_2) - halves;
-  if (bound > near) return bound;
-  const int32_t middle[2] = {candidate.point[0], candidate.point[1]};
-  float least = Apart(neighbours, candidate.point);
-  if (least <= near) return least;
-  ForSegments(a, b, candidate.link, [&](int32_t p, int32_t q) {
-    const bool next = std::abs(p - middle[0]) + std::abs(q - middle[1]) == 1;
-    if (!next || middles_2(p, q) > (least + halves) * (least + halves)) return;
-    const int32_t point[2] = {p, q};
-    const float apart = Apart(neighbours, point);
-    if (apart >= least) return;
-    least = apart;
-    candidate.point[0] = p;
-    candidate.point[1] = q;
-  });
+  int nearest[2] = {0, 0};
+  for (int i = 0; i < a.count; ++i) {
+    for (int j = 0; j < b.count; ++j) {
+      apart_2[i][j] = (mine.at[i] - other.at[j]).squaredNorm();
+      if (apart_2[i][j] >= least_2) continue;
+      least_2 = apart_2[i][j];
+      nearest[0] = i;
+      nearest[1] = j;
+    }
+  }
+  const auto apart = [&](int i, int j) {
+    return Apart(SegmentAt(neighbours, a.point + i), SegmentAt(neighbours, b.point + j));
+  };
+  const auto take = [&](int i, int j) {
+    candidate.point[0] = a.point + i;
+    candidate.point[1] = b.point + j;
+  };
+  float least = apart(nearest[0], nearest[1]);
+  take(nearest[0], nearest[1]);
+  for (int i = 0; i < a.count; ++i) {
+    for (int j = 0; j < b.count; ++j) {
+      const float within = least + a.half + b.half;
+      if ((i == nearest[0] && j == nearest[1]) || apart_2[i][j] > within * within) continue;
+      const float distance = apart(i, j);
+      if (distance >= least) continue;
+      least = distance;
+      take(i, j);
+    }
+  }
   return least;
 }
 
 // Those whose middles come closest within the step; their distance.
-float Closest(const WispStep& step, const WispScratch& scratch, Candidate& candidate) {
+float ClosestWithin(const WispNeighbours& neighbours, const WispScratch& scratch, const WispLink& a,
+                    const WispLink& b, Candidate& candidate) {
+  const Middles mine(neighbours.place, a), other(neighbours.place, b);
+  const Middles my_sweep(scratch.sweep, a), other_sweep(scratch.sweep, b);
   float least = 1e30f;
-  const auto count = [&](int k) {
-    return scratch.links[static_cast<size_t>(candidate.link[k])].count;
-  };
-  for (int32_t p = candidate.link[0]; p < candidate.link[0] + count(0); ++p) {
-    const WispScratch::Middle& mine = scratch.middles[static_cast<size_t>(p)];
-    for (int32_t q = candidate.link[1]; q < candidate.link[1] + count(1); ++q) {
-      const WispScratch::Middle& other = scratch.middles[static_cast<size_t>(q)];
-      const float distance_2 =
-          LeastDistance2(mine.start - other.start, mine.velocity - other.velocity, step.dt);
+  for (int i = 0; i < a.count; ++i) {
+    for (int j = 0; j < b.count; ++j) {
+      const Vector3f d = mine.at[i] - other.at[j], w = my_sweep.at[i] - other_sweep.at[j];
+      const float dd = d.squaredNorm(), dw = d.dot(w), ww = w.squaredNorm();
+      // The distance to all of the line that is swept; a division less.
+      if (dw * dw <= (dd - least) * ww) continue;
+      const float distance_2 = LeastDistance2(d, w, 1);
       if (distance_2 >= least) continue;
       least = distance_2;
-      candidate.point[0] = p;
-      candidate.point[1] = q;
+      candidate.point[0] = a.point + i;
+      candidate.point[1] = b.point + j;
     }
   }
   return std::sqrt(least);
 }
 
 // Whether two links may touch within the step; where.
-bool MayMeet(const WispNeighbours& neighbours, const WispStep& step, const WispScratch& scratch,
+bool MayMeet(const WispNeighbours& neighbours, const WispScratch& scratch,
              WispNeighbours::Pair& pair, Candidate& candidate) {
-  const Link& a = scratch.links[static_cast<size_t>(pair.first)];
-  const Link& b = scratch.links[static_cast<size_t>(pair.second)];
+  const WispLink& a = scratch.links[static_cast<size_t>(pair.first)];
+  const WispLink& b = scratch.links[static_cast<size_t>(pair.second)];
   pair.slack -= (a.moved - b.moved).norm() + a.wobble + b.wobble;
   const float reach = a.reach + b.reach;
-  const float all = (a.drift - b.drift).norm() * step.dt + a.spread + b.spread;
+  const float all = (a.sweep - b.sweep).norm() + a.spread + b.spread;
   // What stays within the margin does not touch.
-  const float enough = std::max(-kLate * reach, all - kMargin / (1 + kMargin) * reach);
-  const bool known = pair.segment[0] >= 0;
+  const float still = kMargin / (1 + kMargin) * reach;
+  const float enough = std::max(-kLate * reach, all - still);
+  const bool known = pair.known();
   if (pair.slack > enough && !known) return false;
-  const float sweep = std::max(0.0f, enough);
-  candidate = {b.guide, {pair.first, pair.second}, {pair.first, pair.second}, 0, &pair};
-  if (known && pair.slack > 0 && all < kFast * reach) {
+  if (!(a.reach > 0) || !(b.reach > 0)) return false;
+  candidate.distance = kUnknown;
+  candidate.guide = b.guide;
+  candidate.pair = &pair;
+  candidate.link[0] = pair.first;
+  candidate.link[1] = pair.second;
+  candidate.point[0] = a.point;
+  candidate.point[1] = b.point;
+  if (known && pair.slack > 0 && all < kFollowed * reach) {
     for (int k = 0; k < 2; ++k) candidate.point[k] += pair.segment[k];
-    candidate.distance = Apart(neighbours, candidate.point);
     return true;
   }
-  if (!known) {
-    const float apart_2 = (a.middle - b.middle).squaredNorm();
-    const float radii = a.radius + b.radius + reach, most = radii + sweep;
-    if (apart_2 > most * most) {
-      pair.slack = std::sqrt(apart_2) - radii;
-      return false;
-    }
-  }
-  pair.segment[0] = -1;
-  candidate.distance = Closest(neighbours, scratch, reach + sweep, candidate);
-  pair.slack = candidate.distance - reach;
+  pair.segment[0] = WispNeighbours::kNone;
+  const Lines lines = Between(neighbours, scratch, a, b);
+  const float sweep = std::max(0.0f, lines.nearing - still);
+  pair.slack = lines.apart - reach;
   if (pair.slack > sweep) return false;
-  if (all < kFast * reach) return true;
-  candidate.distance = Closest(step, scratch, candidate);
-  return candidate.distance <= reach + a.half + b.half;
+  if (all >= kFast * reach) {
+    candidate.distance = ClosestWithin(neighbours, scratch, a, b, candidate);
+    return candidate.distance <= reach + a.half + b.half;
+  }
+  pair.slack = Closest(neighbours, a, b, candidate) - reach;
+  return pair.slack <= sweep;
 }
 
 // What is not the nearest need not be looked at until it has moved by some part of its reach.
@@ -137,38 +169,73 @@ void Wait(const WispScratch& scratch, const Candidate& candidate) {
   WispNeighbours::Pair& pair = *candidate.pair;
   const float reach = scratch.links[static_cast<size_t>(pair.first)].reach +
                       scratch.links[static_cast<size_t>(pair.second)].reach;
-  pair.segment[0] = -1;
+  pair.segment[0] = WispNeighbours::kNone;
   pair.slack = std::max(pair.slack, kPatience * reach);
 }
 
 // What is goes on along the guides until then.
 void Follow(const WispScratch& scratch, const Candidate& candidate) {
   WispNeighbours::Pair& pair = *candidate.pair;
-  if (pair.segment[0] >= 0) return;
-  Wait(scratch, candidate);
+  if (!pair.known()) Wait(scratch, candidate);
   for (int k = 0; k < 2; ++k) {
-    pair.segment[k] = static_cast<int8_t>(candidate.point[k] - candidate.link[k]);
+    pair.segment[k] = static_cast<int8_t>(
+        candidate.point[k] - scratch.links[static_cast<size_t>(candidate.link[k])].point);
   }
+}
+
+// Whether two links' wisps are within their margin in the step; where.
+bool Meets(const WispPoints& points, const WispStep& step, const WispScratch& scratch,
+           const WispNeighbours& neighbours, WispNeighbours::Pair& pair, Candidate& candidate) {
+  if (!MayMeet(neighbours, scratch, pair, candidate)) return false;
+  const int32_t guide[2] = {scratch.links[static_cast<size_t>(pair.first)].guide, candidate.guide};
+  candidate.contact = Approach(points, step, guide, candidate.point);
+  // Of those that sweep far, many come near in turn: what they come to is told by their middles.
+  if (candidate.distance == kUnknown) candidate.distance = candidate.contact.distance;
+  Walk(points, step, scratch, candidate.contact);
+  if (candidate.contact.distance <= (1 + kMargin) * SumOfRadii(points, guide)) return true;
+  pair.segment[0] = WispNeighbours::kNone;
+  pair.slack = 0;
+  return false;
 }
 
 // Adds a candidate of the first's link, of which the last ones from `of_link` on are, unless
 // another with the same guide is nearer.
-void Add(const WispScratch& scratch, Candidate candidate, size_t of_link,
+void Add(const WispScratch& scratch, const Candidate& candidate, size_t of_link,
          std::vector<Candidate>& candidates) {
   for (size_t k = of_link; k < candidates.size(); ++k) {
-    if (candidates[k].guide != candidate.guide) continue;
-    if (candidate.distance < candidates[k].distance) std::swap(candidates[k], candidate);
-    return Wait(scratch, candidate);
+    if (candidates[k].guide != candidate.guide || candidates[k].link[0] != candidate.link[0]) {
+      continue;
+    }
+    if (candidate.distance >= candidates[k].distance) {
+      return Wait(scratch, candidate);
+    }
+    Wait(scratch, candidates[k]);
+    candidates[k] = candidate;
+    return;
   }
   candidates.push_back(candidate);
 }
 
+// Where a pair is none any more, those of the same guides that waited for it are looked at again.
+void WakeOthers(const WispNeighbours::Pair& left, int32_t g, const WispScratch& scratch,
+                WispNeighbours& neighbours) {
+  const auto guide = [&](const WispNeighbours::Pair& pair) {
+    return scratch.links[static_cast<size_t>(pair.second)].guide;
+  };
+  const auto end = static_cast<size_t>(neighbours.first_of[static_cast<size_t>(g) + 1]);
+  for (auto k = static_cast<size_t>(neighbours.first_of[static_cast<size_t>(g)]); k < end; ++k) {
+    WispNeighbours::Pair& pair = neighbours.pairs[k];
+    if (&pair != &left && guide(pair) == guide(left)) pair.slack = kUnknown;
+  }
+}
+
 // Candidates of a guide with later ones: each the nearest of its first link to the other guide.
-void FindCandidates(const WispStep& step, const WispScratch& scratch, int32_t g,
-                    WispNeighbours& neighbours, std::vector<Candidate>& candidates) {
+void FindCandidates(const WispPoints& points, const WispStep& step, const WispScratch& scratch,
+                    int32_t g, WispNeighbours& neighbours, std::vector<Candidate>& candidates) {
   candidates.clear();
   size_t of_link = 0;
   int32_t link = -1;
+  bool woken = false;
   const auto end = static_cast<size_t>(neighbours.first_of[static_cast<size_t>(g) + 1]);
   for (auto k = static_cast<size_t>(neighbours.first_of[static_cast<size_t>(g)]); k < end; ++k) {
     WispNeighbours::Pair& pair = neighbours.pairs[k];
@@ -177,8 +244,27 @@ void FindCandidates(const WispStep& step, const WispScratch& scratch, int32_t g,
       of_link = candidates.size();
     }
     Candidate candidate;
-    if (!MayMeet(neighbours, step, scratch, pair, candidate)) continue;
+    const bool known = pair.known();
+    bool meets = Meets(points, step, scratch, neighbours, pair, candidate);
+    if (known && !meets) {
+      // Others of its segments may be nearer than what was followed.
+      pair.slack = kUnknown;
+      meets = Meets(points, step, scratch, neighbours, pair, candidate);
+      if (!meets) WakeOthers(pair, g, scratch, neighbours);
+      woken = woken || !meets;
+    }
+    if (!meets) continue;
     Add(scratch, candidate, of_link, candidates);
+  }
+  // Those before the one that woke them.
+  for (auto k = static_cast<size_t>(neighbours.first_of[static_cast<size_t>(g)]); woken && k < end;
+       ++k) {
+    WispNeighbours::Pair& pair = neighbours.pairs[k];
+    Candidate candidate;
+    if (pair.slack != kUnknown || !Meets(points, step, scratch, neighbours, pair, candidate)) {
+      continue;
+    }
+    Add(scratch, candidate, 0, candidates);
   }
   std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
     return std::tie(a.guide, a.link[0], a.link[1]) < std::tie(b.guide, b.link[0], b.link[1]);
@@ -195,8 +281,8 @@ void ForMutual(const WispScratch& scratch, const std::vector<Candidate>& candida
     for (auto a = begin; a != end; ++a) {
       bool nearest = true;
       for (auto b = begin; b != end && nearest; ++b) {
-        nearest = b->link[1] != a->link[1] || b == a || a->distance < b->distance ||
-                  (a->distance == b->distance && a < b);
+        const float mine = a->distance, other = b->distance;
+        nearest = b->link[1] != a->link[1] || b == a || mine < other || (mine == other && a < b);
       }
       if (nearest) {
         visit(*a);
@@ -208,6 +294,19 @@ void ForMutual(const WispScratch& scratch, const std::vector<Candidate>& candida
   }
 }
 
+// Sorts contacts of one guide, from `begin` on; some have walked to the same place.
+void DropSame(size_t begin, std::vector<Contact>& contacts) {
+  const auto key = [](const Contact& contact) {
+    return std::tie(contact.guide[1], contact.point[0], contact.point[1]);
+  };
+  const auto first = contacts.begin() + static_cast<ptrdiff_t>(begin);
+  std::sort(first, contacts.end(),
+            [&](const Contact& a, const Contact& b) { return key(a) < key(b); });
+  contacts.erase(std::unique(first, contacts.end(),
+                             [&](const Contact& a, const Contact& b) { return key(a) == key(b); }),
+                 contacts.end());
+}
+
 }  // namespace
 
 void FindContacts(const WispPoints& points, const WispStep& step, const WispScratch& scratch,
@@ -215,31 +314,14 @@ void FindContacts(const WispPoints& points, const WispStep& step, const WispScra
   auto& contacts = piece.contacts;
   contacts.clear();
   for (int32_t g = begin; g < end; ++g) {
-    FindCandidates(step, scratch, g, neighbours, piece.candidates);
+    FindCandidates(points, step, scratch, g, neighbours, piece.candidates);
     const size_t of_guide = contacts.size();
     ForMutual(scratch, piece.candidates, [&](const Candidate& candidate) {
-      const int32_t guide[2] = {g, candidate.guide};
-      const Contact contact = Walk(points, step, scratch, guide, candidate.point);
-      if (contact.distance > (1 + kMargin) * SumOfRadii(points, guide)) {
-        candidate.pair->segment[0] = -1;
-        candidate.pair->slack = 0;
-        return;
-      }
       Follow(scratch, candidate);
-      contacts.push_back(contact);
+      contacts.push_back(candidate.contact);
     });
 
-    // Some walk to the same place.
-    const auto key = [](const Contact& contact) {
-      return std::tie(contact.guide[1], contact.point[0], contact.point[1]);
-    };
-    const auto first = contacts.begin() + static_cast<ptrdiff_t>(of_guide);
-    std::sort(first, contacts.end(),
-              [&](const Contact& a, const Contact& b) { return key(a) < key(b); });
-    contacts.erase(
-        std::unique(first, contacts.end(),
-                    [&](const Contact& a, const Contact& b) { return key(a) == key(b); }),
-        contacts.end());
+    DropSame(of_guide, contacts);
   }
 }
 
