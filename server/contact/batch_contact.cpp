@@ -156,6 +156,7 @@ BlockStep::BlockStep(const BatchContact& contact, const rod::Batch<float>& batch
       state_(state.subspan(block.state, static_cast<size_t>(block.elements) *
                                             rod::layout::StateRowsPerElement(block.kind))),
       scratch_(scratch),
+      watch_all_(watch_all),
       constants_(batch.constants(block)),
       bytes_(scratch.step.Reserve(kernels_.approach_scratch(block.elements, points_))) {
   MANE_CHECK(std::ssize(first_point) == block.elements + 1);
@@ -232,7 +233,7 @@ uint32_t BlockStep::Commit() {
 float BlockStep::Bend() const {
   float most = 0;
   for (int lane = 0; lane < block_.count; ++lane) {
-    bool meets = false;
+    bool meets = watch_all_;
     for (int i = 0; i < points_ && !meets; ++i) {
       meets =
           scratch_.watched[i] != 0 && scratch_.meetings[i * kMeetingRows + kMass].lane[lane] > 0;

@@ -91,8 +91,8 @@ class BlockStep {
   /// Takes over the new state. @return as rod::StepBlock.
   [[nodiscard]] uint32_t Commit();
 
-  /// How far strands that meet bodies leave the straight lines that the step took them along, at
-  /// most [m] (rod.md, S16).
+  /// How far strands that meet bodies, or all that are watched, leave the straight lines that the
+  /// step took them along, at most [m] (rod.md, S16).
   [[nodiscard]] float Bend() const;
 
   [[nodiscard]] int points() const { return points_; }
@@ -124,6 +124,7 @@ class BlockStep {
   std::span<const rod::Row<float>, rod::layout::kDriveRows> drive_;
   const std::span<rod::Row<float>> memory_, state_;
   BatchContactScratch& scratch_;
+  const bool watch_all_;
   const float* const constants_;
   void* const bytes_;
   MeetingNumbers numbers_;

@@ -30,6 +30,7 @@ struct Contact {
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< Of the head in the last step [m/s].
   Eigen::Vector3d spin = Eigen::Vector3d::Zero();      ///< [rad/s]
   std::vector<Block> blocks;
+  int fineness = 1;  ///< Of all blocks, where wisps meet.
   std::vector<rod::Row<float>> memory;
   contact::WispTracker wisps;  ///< Where the wisps of guides touch each other.
 };
@@ -40,6 +41,8 @@ inline constexpr int kFinest = 4;
 inline constexpr float kLargestBend = 1e-3F;  // [m]
 /// How far bodies come on the head, or the head where its hair does not expect it, in a step [m].
 inline constexpr double kLargestWay = 0.01;
+/// As kLargestBend, of hair that meets hair; it is stepped finer from the next movement on.
+inline constexpr float kLargestWispBend = 4e-3F;
 
 struct HeadState;
 

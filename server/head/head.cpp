@@ -145,9 +145,10 @@ int Repair(const groom::Groom& groom, int i, uint32_t failed, HeadState* state) 
 
 // One step of a head whose wisps meet. Returns how many strands had to be put to rest.
 int AdvanceAmongWisps(const groom::Groom& groom, const StepDrive& drive, const WindField& wind,
-                      HeadState* state, exec::WorkerPool& pool) {
+                      HeadState* state, exec::WorkerPool& pool, float* bend) {
   thread_local std::vector<Drive> own_drives;
   thread_local std::vector<uint32_t> own_failed;
+  thread_local std::vector<float> own_bends;
   std::vector<Drive>& drives = own_drives;
   const int blocks = static_cast<int>(groom.batch.blocks().size());
   drives.assign(wind.turbulent() ? blocks : 1, drive.rows);
@@ -160,7 +161,8 @@ int AdvanceAmongWisps(const groom::Groom& groom, const StepDrive& drive, const W
   }
   const double dt = drive.rows[rod::layout::kDuration].lane[0];
   StepAmongWisps(groom, {drives, drive.bodies, drive.surprise, dt}, state->guides, &state->contact,
-                 pool, &own_failed);
+                 pool, &own_failed, &own_bends);
+  *bend = std::max(*bend, std::ranges::max(own_bends));
   int repaired = 0;
   for (int i = 0; i < blocks; ++i) repaired += Repair(groom, i, own_failed[i], state);
   return repaired;
@@ -184,6 +186,13 @@ int AdvanceBlock(const groom::Groom& groom, int i, std::span<const StepDrive> dr
   return repaired;
 }
 
+// Of the next steps, after steps that bent so far.
+int NextFineness(int fineness, float bend, float largest) {
+  if (bend > largest) return std::min(kFinest, 2 * fineness);
+  // Steps twice as long bend four times as far.
+  return bend < largest / 8 ? std::max(1, fineness / 2) : fineness;
+}
+
 // All given steps of a block among bodies, which are `fineness` times as many as a coarse one
 // makes. Returns how many times as many it must make instead, and is then as it was; 0 when done.
 int AdvanceAmongBodies(const groom::Groom& groom, int i, int fineness,
@@ -204,8 +213,7 @@ int AdvanceAmongBodies(const groom::Groom& groom, int i, int fineness,
     return own = 2 * fineness;
   }
   *repaired += put_to_rest;
-  // Steps twice as long bend four times as far.
-  own = bend < kLargestBend / 8 ? std::max(1, fineness / 2) : fineness;
+  own = NextFineness(fineness, bend, kLargestBend);
   return 0;
 }
 
@@ -308,7 +316,7 @@ StepReport Advance(const groom::Groom& groom, const Movement& movement,
   std::vector<int>& due = own_due;
   for (int begin = 0; begin < steps; begin += kStepsAtOnce) {
     const int end = std::min(steps, begin + kStepsAtOnce);
-    due.assign(blocks, coarsest);
+    due.assign(blocks, wisps ? std::max(coarsest, state->contact.fineness) : coarsest);
     for (int i = 0; bodies && !wisps && i < blocks; ++i) {
       due[i] = std::max(coarsest, state->contact.blocks[i].fineness);
     }
@@ -318,9 +326,11 @@ StepReport Advance(const groom::Groom& groom, const Movement& movement,
                 wind, &drives);
       const std::span<const StepDrive> now = std::span(drives).first((end - begin) * fineness);
       if (wisps) {
+        float bend = 0;
         for (const StepDrive& drive : now) {
-          repaired += AdvanceAmongWisps(groom, drive, wind, state, pool);
+          repaired += AdvanceAmongWisps(groom, drive, wind, state, pool, &bend);
         }
+        state->contact.fineness = NextFineness(fineness, bend, kLargestWispBend);
         break;
       }
       pool.ParallelFor(blocks, kBlocksPerPiece, [&](int first, int last) {

@@ -112,7 +112,7 @@ Wisps MakeWisps(const groom::Groom& groom, const Bodies& bodies, exec::WorkerPoo
 
 void StepAmongWisps(const groom::Groom& groom, const WispStep& step,
                     std::span<rod::Row<float>> guides, Contact* contact, exec::WorkerPool& pool,
-                    std::vector<uint32_t>* failed) {
+                    std::vector<uint32_t>* failed, std::vector<float>* bends) {
   thread_local Memory own;
   Memory& memory = own;  // Of this thread, in all workers.
   const Wisps& wisps = *contact->bodies->wisps;
@@ -129,7 +129,7 @@ void StepAmongWisps(const groom::Groom& groom, const WispStep& step,
     lists->Resize(points);
   }
   if (memory.steps.size() < blocks.size()) memory.steps.resize(blocks.size());
-  failed->resize(blocks.size());
+  failed->resize(blocks.size()), bends->resize(blocks.size());
   const contact::BatchContact among{Kernels(),    Meetings(), memory.groups,
                                     step.motions, {},         step.surprise};
   const auto for_blocks = [&](const auto& visit) {
@@ -189,6 +189,7 @@ void StepAmongWisps(const groom::Groom& groom, const WispStep& step,
   for_blocks([&](int i) {
     BlockStep& own_step = *memory.steps[i];
     while (own_step.Finish()) own_step.Solve();
+    (*bends)[i] = own_step.Bend();
     (*failed)[i] = own_step.Commit();
   });
 }

@@ -32,8 +32,9 @@ struct WispStep {
 /// pressed apart where they are denser than at rest.
 ///
 /// @param failed  out: as rod::StepBlock returns, (blocks).
+/// @param bends   out: BlockStep::Bend() of all strands, (blocks).
 void StepAmongWisps(const groom::Groom& groom, const WispStep& step,
                     std::span<rod::Row<float>> guides, Contact* contact, exec::WorkerPool& pool,
-                    std::vector<uint32_t>* failed);
+                    std::vector<uint32_t>* failed, std::vector<float>* bends);
 
 }  // namespace mane::head
