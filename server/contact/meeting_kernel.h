@@ -172,8 +172,11 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
       const V hold = stays ? kHolding * mass : Rub(mass, most, faster);
       const V next = pressing > 0.0F ? (stays ? All(1) : All(-1)) : V{};
       any |= simd::MANE_ISA::Any(Abs(next) + Abs(rub) > 0.5F);
-      Load(stops ? kPressing * mass : V{}, least, next, hold, n, surface, meeting, load,
-           block.loaded + i);
+      const V out = Dot(n, surface), press = stops ? kPressing * mass : V{};
+      const V lacks = Row(meeting, kStiff) * short_of;
+      const auto resists = stops & (lacks > 0.0F) & (least < out);
+      Load(resists ? Resistance(lacks, out - speed, press) : press, resists ? out : least, next,
+           hold, n, surface, meeting, load, block.loaded + i);
     }
     return any;
   }

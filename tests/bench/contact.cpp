@@ -31,13 +31,18 @@ using Eigen::Vector3d;
 
 constexpr double kDt = 1.0 / 60;
 constexpr groom::Limits kLimits{.max_guides = 100'000, .max_elements = 500'000};
-constexpr double kWalk = 1.4;  // [m/s]
+constexpr double kWalk = 1.4;     // [m/s]
+constexpr double kSetsOut = 0.5;  // For so long [s],
+constexpr int kLeadIn = 45;       // and these first steps are not timed.
 
-// A head of somebody who walks: bobs, sways and looks about.
+// A head of somebody who sets out within half a second and walks: bobs, sways and looks about.
 math::Pose HeadAt(int frame) {
   const double t = frame * kDt, step = 2 * std::numbers::pi * 2 * t;
-  return {{0.015 * std::sin(step / 2), 0.02 * std::sin(step), kWalk * t},
-          math::FromRotationVector({0.03 * std::sin(step), 0.3 * std::sin(1.3 * t), 0})};
+  const double part = std::min(1.0, t / kSetsOut);
+  const double way = kWalk * (part < 1 ? 0.5 * kSetsOut * part * part : t - 0.5 * kSetsOut);
+  return {
+      {part * 0.015 * std::sin(step / 2), part * 0.02 * std::sin(step), way},
+      math::FromRotationVector({part * 0.03 * std::sin(step), part * 0.3 * std::sin(1.3 * t), 0})};
 }
 
 // A head of 5,000 triangles with a nose and ears, so to say: an ellipsoid with waves.
@@ -116,7 +121,7 @@ double Step(const groom::Groom& groom, const std::shared_ptr<const head::Bodies>
   head::HeadState state = head::AtRest(groom, HeadAt(0));
   if (bodies != nullptr) head::StartContact(groom, bodies, &state);
   const double dt = kDt;
-  return Median(seconds, [&](int i) {
+  const auto step = [&](int i) {
     const math::Pose pose = HeadAt(i + 1);
     std::vector<math::Pose> moving;
     if (bodies != nullptr) {
@@ -125,7 +130,10 @@ double Step(const groom::Groom& groom, const std::shared_ptr<const head::Bodies>
       moving = head::BodiesAtRest(*bodies, body);
     }
     head::Advance(groom, {pose, dt, 1, moving}, {}, &state, pool);
-  });
+  };
+  for (int i = 0; i < kLeadIn; ++i) step(i);
+  const double median = Median(seconds, [&](int i) { step(kLeadIn + i); });
+  return median;
 }
 
 std::shared_ptr<const head::Bodies> BodiesOf(const groom::Groom& groom) {
