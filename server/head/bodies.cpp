@@ -122,7 +122,7 @@ Result<std::shared_ptr<const Bodies>> MakeBodies(const groom::Groom& groom,
   if (!made) return made.error();
   if (*made == nullptr && !HasWisps(groom)) return std::shared_ptr<const Bodies>();
   if (*made == nullptr) *made = std::make_shared<Bodies>();
-  (*made)->settled = Settle(groom, *made, pool);
+  Settle(groom, *made, pool);
   if (HasWisps(groom)) (*made)->wisps = MakeWisps(groom, **made, pool);
   return std::shared_ptr<const Bodies>(*std::move(made));
 }

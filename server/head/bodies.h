@@ -46,6 +46,8 @@ struct Bodies {
   std::vector<Group> groups;
   /// The groom's rest shape among the bodies, on an upright head, as HeadState::guides.
   std::vector<rod::Row<float>> settled;
+  /// What hair meets there and how it presses on it, as Contact::memory: it goes on holding.
+  std::vector<rod::Row<float>> settled_memory;
   std::optional<Wisps> wisps;  ///< Where any guide has one.
 };
 

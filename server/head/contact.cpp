@@ -48,8 +48,23 @@ void StartContact(const groom::Groom& groom, std::shared_ptr<const Bodies> bodie
   }
   contact.memory.resize(first);
   contact::Forget(contact.memory);
-  const std::vector<rod::Row<float>>& settled = contact.bodies->settled;
-  if (!settled.empty()) state->guides = settled;
+  if (!contact.bodies->settled.empty()) ResetContact(state);
+}
+
+void ResetContact(HeadState* state) {
+  Contact& contact = state->contact;
+  state->guides = contact.bodies->settled;
+  contact.wisps.Clear();
+  contact.fineness = 1;
+  for (Contact::Block& block : contact.blocks) {
+    block.fineness = 1;
+    block.first_point = block.first_of_all;
+  }
+  if (contact.bodies->settled_memory.empty()) {
+    contact::Forget(contact.memory);
+  } else {
+    contact.memory = contact.bodies->settled_memory;
+  }
 }
 
 void ForgetContact(int block, const rod::Parts& parts, Contact* contact) {

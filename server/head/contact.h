@@ -52,6 +52,9 @@ struct HeadState;
 void StartContact(const groom::Groom& groom, std::shared_ptr<const Bodies> bodies,
                   HeadState* state);
 
+/// Puts the hair, at full detail, to where it settled among its bodies, on which it lies still.
+void ResetContact(HeadState* state);
+
 /// What a block met is forgotten, as it changes its level of detail. A coarse element has the
 /// points of the fine ones that it stands for.
 ///

@@ -236,9 +236,7 @@ HeadState AtRest(const groom::Groom& groom, const math::Pose& pose) {
 void Reset(const groom::Groom& groom, HeadState* state) {
   for (Detail::Block& block : state->detail.blocks) block.level = 0, block.calm = 0;
   if (state->contact.bodies != nullptr) {
-    state->guides = state->contact.bodies->settled;
-    contact::Forget(state->contact.memory);
-    state->contact.wisps.Clear();
+    ResetContact(state);
     return;
   }
   for (int guide = 0; guide < groom.guide_count(); ++guide) PutToRest(groom, guide, state);

@@ -76,11 +76,14 @@ double DragScale(const groom::Groom& groom) {
 
 }  // namespace
 
-std::vector<rod::Row<float>> Settle(const groom::Groom& groom, std::shared_ptr<const Bodies> bodies,
-                                    exec::WorkerPool& pool) {
+void Settle(const groom::Groom& groom, const std::shared_ptr<Bodies>& bodies,
+            exec::WorkerPool& pool) {
   HeadState state = AtRest(groom, {});
-  if (bodies->bodies.empty()) return std::move(state.guides);
-  StartContact(groom, std::move(bodies), &state);
+  if (bodies->bodies.empty()) {
+    bodies->settled = std::move(state.guides);
+    return;
+  }
+  StartContact(groom, bodies, &state);
   LiftDeepGuides(groom, &state);
   Environment air;
   air.air_drag_scale = DragScale(groom);
@@ -95,7 +98,8 @@ std::vector<rod::Row<float>> Settle(const groom::Groom& groom, std::shared_ptr<c
             .subspan(groom.first_coordinate[guide], groom.guides[guide].coordinate_count());
     groom.batch.SetStill(guide, own, state.guides);
   }
-  return std::move(state.guides);
+  bodies->settled = std::move(state.guides);
+  bodies->settled_memory = std::move(state.contact.memory);
 }
 
 }  // namespace mane::head

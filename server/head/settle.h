@@ -12,11 +12,9 @@ namespace mane::head {
 
 /// The shape in which hair of `groom` lies still among `bodies` on an upright head: its rest shape
 /// settles in thick air; where that leads through a body, hair falls on it from its natural shape.
-/// A function of the groom and the bodies alone.
-///
-/// @return as HeadState::guides, standing still.
-[[nodiscard]] std::vector<rod::Row<float>> Settle(const groom::Groom& groom,
-                                                  std::shared_ptr<const Bodies> bodies,
-                                                  exec::WorkerPool& pool);
+/// A function of the groom and the bodies alone. /// Sets Bodies::settled, standing still, and
+/// Bodies::settled_memory.
+void Settle(const groom::Groom& groom, const std::shared_ptr<Bodies>& bodies,
+            exec::WorkerPool& pool);
 
 }  // namespace mane::head
