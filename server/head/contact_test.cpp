@@ -1,7 +1,8 @@
 // A head's hair among bodies, as heads step it:
 //   depth    no point of any hair is deeper than 1 mm in a head that stands, in gusts of wind, nor
 //            deeper than 3 mm in one that walks or in the shoulders that walk with it
-//   rest     hair that lies on a head lies still, but for few that let go
+//   rest     hair that lies on a head lies still, but for few that let go, in steps of any size
+//   reset    hair lies where it did at first, and goes on the same way
 //   bits     are the same for any number of workers, and from a copy of the state
 //   freedom  bodies out of reach change nothing
 
@@ -20,6 +21,7 @@
 #include "head/frame.h"
 #include "head/head.h"
 #include "head/sample_groom.h"
+#include "rod/test_strands.h"
 
 namespace mane::head {
 namespace {
@@ -156,6 +158,71 @@ TEST_F(ContactTest, HairIsNowhereDeepInABodyThatWalks) {
   EXPECT_GT(nearest, -3e-3);  // Some of it lies on them.
 }
 
+// Somebody shakes his head, or its tracker trembles.
+TEST_F(ContactTest, ShakingAndTremblingHeadsKeepTheirHairOutside) {
+  for (const double length : {0.15, 0.3}) {
+    for (const bool trembles : {false, true}) {
+      SCOPED_TRACE(fmt::format("{} m, trembles {}", length, trembles));
+      const auto groom = Hair(groom::HairType::kAsianSmooth, length, 64);
+      const auto bodies = BodiesOf(*groom);
+      HeadState state = AtRest(*groom, {});
+      StartContact(*groom, bodies, &state);
+      rod::fixtures::Random random(5);
+      double deepest = -1;
+      for (int i = 1; i <= 6 * 60; ++i) {
+        const double t = i / 60.0;
+        math::Pose head;
+        head.p.x() = 0.03 * std::min(1.0, t) * std::sin(2 * M_PI * 2 * t);
+        if (trembles) head.p = random.Vector(0.003);
+        ASSERT_EQ(Advance(*groom, {head, 1 / 60.0, 1}, {}, &state, pool_).repaired_guides, 0);
+        deepest =
+            std::max(deepest, Deepest(*groom, Points(*groom, state, pool_), bodies->bodies[0].shape,
+                                      head * bodies->bodies[0].pose, kRoot));
+      }
+      EXPECT_LT(deepest, trembles ? 1e-2 : 1e-3);  // By 0.4 m/s to and fro, 60 times a second.
+    }
+  }
+}
+
+// Hair that nothing moves does not start by itself, whatever the steps.
+TEST_F(ContactTest, HairAtRestStaysAtRestInStepsOfAnySize) {
+  const auto groom = Hair(groom::HairType::kAsianSmooth, 0.45, 60);
+  const auto bodies = BodiesOf(*groom);
+  for (const int substeps : {1, 2, 4, 16}) {
+    HeadState state = AtRest(*groom, {});
+    StartContact(*groom, bodies, &state);
+    const std::vector<Vector3d> start = Points(*groom, state, pool_);
+    for (int i = 0; i < 4 * 60; ++i) {
+      Advance(*groom, {{}, 1 / 60.0, substeps}, {}, &state, pool_);
+    }
+    const std::vector<Vector3d> end = Points(*groom, state, pool_);
+    double farthest = 0;
+    for (size_t i = 0; i < start.size(); ++i) {
+      farthest = std::max(farthest, (end[i] - start[i]).norm());
+    }
+    EXPECT_LT(farthest, 0.02) << substeps;
+  }
+}
+
+TEST_F(ContactTest, ResetLeadsBackToTheStart) {
+  const auto groom = Hair(groom::HairType::kCaucasianWavy, 0.2, 40);
+  HeadState state = AtRest(*groom, {});
+  StartContact(*groom, BodiesOf(*groom), &state);
+  const HeadState start = state;
+  for (int i = 1; i <= 60; ++i) {
+    Advance(*groom, {WalkingHead(i / 60.0), 1 / 60.0, 1}, {}, &state, pool_);
+  }
+  EXPECT_NE(Coordinates(*groom, state), Coordinates(*groom, start));
+  Reset(*groom, &state);
+  state.pose = {}, state.contact.velocity.setZero(), state.contact.spin.setZero();
+  HeadState again = start;
+  for (int i = 0; i < 30; ++i) {
+    Advance(*groom, {{}, 1 / 60.0, 1}, {}, &state, pool_);
+    Advance(*groom, {{}, 1 / 60.0, 1}, {}, &again, pool_);
+  }
+  EXPECT_EQ(Coordinates(*groom, state), Coordinates(*groom, again));
+}
+
 TEST_F(ContactTest, HairThatLiesOnAHeadLiesStill) {
   for (const Sort& sort : kSorts) {
     SCOPED_TRACE(NameOf(sort));
@@ -176,7 +243,7 @@ TEST_F(ContactTest, HairThatLiesOnAHeadLiesStill) {
     }
     std::ranges::sort(fastest);
     EXPECT_LT(fastest[fastest.size() * 9 / 10], 1e-3);
-    EXPECT_LT(fastest.back(), 0.03);  // Now and then one lets go that has crept.
+    EXPECT_LT(fastest.back(), 5e-3);  // Now and then one lets go that has crept.
   }
 }
 

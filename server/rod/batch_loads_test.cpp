@@ -3,6 +3,7 @@
 //   no loads     the step without, to rounding
 //   points       lie on the centreline at the extrapolated shape; their velocities are its change
 //   reciprocity  a push at a moves b along a direction as much as one at b along that moves a
+//   digits       what holds points by far leaves float32 the soft directions
 //   stop         what presses hard keeps its point at the surface's speed, and nothing bounces off
 //   neighbours   a lane's bits do not depend on loads on others
 
@@ -10,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -190,6 +192,65 @@ TYPED_TEST(BatchLoadsTest, EqualsTheStepAmongTheSameLoads) {
       }
     }
   });
+}
+
+// Soft hair that hangs straight from a bent root, in any direction, and is held at its tip and near
+// its root by far more than its own mass: what turns about the line between them is left with its
+// own stiffness, 1e-5 of the rest.
+TEST(BatchLoadsDigitsTest, HoldsLeaveSoftDirectionsTheirDigits) {
+  Random random(23);
+  for (int trial = 0; trial < 100; ++trial) {
+    std::vector<std::unique_ptr<Strand>> strands;
+    std::vector<RootedStrand> rooted;
+    std::vector<State> starts;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      Strand strand = fixtures::MakeStrand(fixtures::AppendixB()[0], 0.45, 6);
+      strand.length = {0.0041, 0.0067, 0.018, 0.1213, 0.15, 0.15};
+      strand.natural.assign(6, Vector3d::Zero());
+      State state(strand);
+      const Vector3d bend = random.Uniform(0.3, 0.7) * Vector3d(0, -0.38, 0.92);
+      for (int Q = 0; Q < 4; ++Q) state.theta[Q] = (Q < 3 ? 1 : 0.4) * bend;
+      for (int Q = 4; Q < 6; ++Q) state.theta[Q] = 0.01 * random.Direction();
+      math::Pose root = random.AnyRoot();
+      if (lane % 2 == 0) {  // It hangs.
+        const auto at = [&](int Q) { return PointAt(strand, root, state.theta, {Q, 0.5}).r; };
+        root.q = Eigen::Quaterniond::FromTwoVectors(at(5) - at(4), -Vector3d::UnitY()) * root.q;
+      }
+      strands.push_back(std::make_unique<Strand>(strand));
+      rooted.push_back({strands.back().get(), root});
+      starts.push_back(state);
+    }
+    std::vector<Load> loads;
+    for (int i = 0; i < 2 * kLanes; ++i) {
+      const double unit = UnitOf(*strands[0]);
+      loads.push_back({random.Direction(), 200 * unit, 800 * unit});
+    }
+    const auto rates = [&]<typename T>(const KernelTable<T>& kernels) {
+      const Batch<T> batch(rooted);
+      std::vector<Row<T>> state(batch.state_rows()), next(batch.state_rows());
+      for (int i = 0; i < kLanes; ++i) batch.SetStrand(i, starts[i].View(), state);
+      Solver<T> solver(kernels, batch, {{}, {}, 1.0 / 120}, {});
+      solver.Approach(state);
+      for (int lane = 0; lane < kLanes; ++lane) {
+        const int i = batch.blocks()[0].strands[lane];
+        solver.SetLoad(5, lane, loads[2 * i], UnitOf(*strands[i]));
+        solver.SetLoad(PointCount(6) - 1, lane, loads[2 * i + 1], UnitOf(*strands[i]));
+      }
+      solver.Solve(state, next);
+      std::vector<Vector3d> result;
+      for (int i = 0; i < kLanes; ++i) {
+        State end = starts[i];
+        batch.GetStrand(i, next, end.View());
+        result.insert(result.end(), end.rate.begin(), end.rate.end());
+      }
+      return result;
+    };
+    const std::vector<Vector3d> exact = rates(KernelsFor<double>(simd::Isa::kScalar));
+    for (const simd::Isa isa : simd::Supported()) {
+      const std::vector<Vector3d> rounded = rates(KernelsFor<float>(isa));
+      EXPECT_LT(Difference(rounded, exact), 0.2 * Largest(exact)) << simd::Name(isa);
+    }
+  }
 }
 
 // What the tests below ask of both kinds.

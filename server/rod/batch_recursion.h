@@ -171,6 +171,7 @@ struct Recursion : StumpffOf<T, W> {
   struct NoLoads {
     template <typename... Step>
     void Add(const Step&... /*step*/) const {}
+    void Steady(CostToGo& /*left*/) const {}
     void Stop(Vec& /*u*/) const {}
     void Show(const Field& /*along*/, const Vec& /*velocity*/) const {}
   };
@@ -196,6 +197,14 @@ struct Recursion : StumpffOf<T, W> {
     [[nodiscard]] T FractionOf(int k) const { return T(k + 1) / T(count); }
     [[nodiscard]] PointLoad At(int k) const {
       return {rows + k * layout::kLoadRows * layout::kLanes, inverse_unit};
+    }
+    /// Keeps the cost convex in rounded numbers (S15).
+    void Steady(CostToGo& left) const {
+      constexpr T kPart = sizeof(T) == 4 ? T(3e-7) : T(1e-15);
+      const V mass = kPart * (left.A11.xx + left.A11.yy + left.A11.zz);
+      const V inertia = kPart * (left.A22.xx + left.A22.yy + left.A22.zz);
+      left.A11.xx += mass, left.A11.yy += mass, left.A11.zz += mass;
+      left.A22.xx += inertia, left.A22.yy += inertia, left.A22.zz += inertia;
     }
     void Stop(Vec& u) const {
       for (int k = 0; k < count; ++k) {

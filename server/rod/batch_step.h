@@ -353,6 +353,7 @@ template <bool tip, bool root, typename L>
   } else {
     AddBeyond(length, e, beyond, rates, left);
   }
+  loads.Steady(left);
   Eliminate(rates, e, left);
   if constexpr (!root) beyond = left;
 }

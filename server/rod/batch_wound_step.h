@@ -429,6 +429,7 @@ template <typename LoadsOf>
     left.mass = beyond.mass + length;
     AddWeight(step, e.spin, All(0.5) * (left.arm + beyond.arm), beyond);
     AddBeyond(length, e, turns, beyond, rates, left);
+    loads_of(Q).Steady(left);
     Eliminate(rates, e, left);
     beyond = left;
   }
