@@ -11,18 +11,30 @@ bool BodyLibrary::Missing(const GroomPtr& groom) {
   return groom->has_contact && FindLocked(groom) == nullptr;
 }
 
-Result<BodyLibrary::BodiesPtr> BodyLibrary::FindOrMake(const GroomPtr& groom) {
+Result<BodyLibrary::BodiesPtr> BodyLibrary::FindOrMake(const GroomPtr& groom,
+                                                       const base::Cancelled& cancelled) {
   if (!groom->has_contact) return BodiesPtr();
+  std::shared_ptr<Making> making;
   {
     std::lock_guard lock(mutex_);
     if (BodiesPtr found = FindLocked(groom)) return found;
+    std::erase_if(makings_, [](const auto& item) { return item.second.expired(); });
+    std::weak_ptr<Making>& known = makings_[groom];
+    making = known.lock();
+    if (making == nullptr) known = making = std::make_shared<Making>();
   }
-  auto made = head::MakeBodies(*groom, &fields_, pool_);
-  if (!made) return made;
+  return making->Get(cancelled, [&](const base::Cancelled& unwanted) -> Result<BodiesPtr> {
+    auto made = head::MakeBodies(*groom, &fields_, pool_, unwanted);
+    if (!made) return made;
+    return Add(groom, *made);
+  });
+}
+
+Result<BodyLibrary::BodiesPtr> BodyLibrary::Add(const GroomPtr& groom, const BodiesPtr& made) {
   std::lock_guard lock(mutex_);
   if (BodiesPtr found = FindLocked(groom)) return found;  // Another one was faster.
   std::erase_if(bodies_, [](const auto& item) { return item.first.expired(); });
-  for (size_t bytes; (bytes = BytesLocked(*made)) > options_.max_used_bytes;) {
+  for (size_t bytes; (bytes = BytesLocked(made)) > options_.max_used_bytes;) {
     if (DropOneLocked()) continue;
     return Error{ErrorCode::kResourceExhausted,
                  fmt::format("with the meshes that this groom's hair meets, distance fields in use "
@@ -31,7 +43,7 @@ Result<BodyLibrary::BodiesPtr> BodyLibrary::FindOrMake(const GroomPtr& groom) {
                              bytes, options_.max_used_bytes),
                  ""};
   }
-  bodies_[groom] = {*made, ++clock_};
+  bodies_[groom] = {made, ++clock_};
   return made;
 }
 

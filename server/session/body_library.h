@@ -5,8 +5,10 @@
 #include <memory>
 #include <mutex>
 
+#include "base/cancelled.h"
 #include "base/result.h"
 #include "contact/field_cache.h"
+#include "exec/joint.h"
 #include "exec/worker_pool.h"
 #include "groom/groom.h"
 #include "head/bodies.h"
@@ -27,8 +29,8 @@ struct BodyLibraryOptions {
 /// while its groom is in memory, for all heads of that groom.
 ///
 /// Threads: every method from any thread. `mutex_` guards what stands below it and is not held
-/// while fields are built and hair settles, which takes seconds; who asks for the same mesh
-/// meanwhile waits.
+/// while fields are built and hair settles, which takes seconds; who asks for the same groom or
+/// mesh meanwhile waits for that, and it stops when nobody waits any more.
 class BodyLibrary {
  public:
   using GroomPtr = std::shared_ptr<const groom::Groom>;
@@ -37,19 +39,23 @@ class BodyLibrary {
   explicit BodyLibrary(const BodyLibraryOptions& options)
       : options_(options), fields_(options.field, options.max_kept_bytes, options.workers) {}
 
-  /// For those who should not make them on their own thread; makes one after the other.
+  /// For those who should not make them on their own thread: so many are made at once, so that
+  /// small ones need not wait for a large one.
+  static constexpr int kMakers = 4;
   [[nodiscard]] exec::WorkerPool& pool() { return pool_; }
 
   /// Whether FindOrMake(groom) would have to make them.
   [[nodiscard]] bool Missing(const GroomPtr& groom);
 
   /// Bodies of `groom`, null where it has none. @return head::MakeBodies' errors;
-  ///   RESOURCE_EXHAUSTED naming nothing above max_used_bytes.
-  [[nodiscard]] Result<BodiesPtr> FindOrMake(const GroomPtr& groom);
+  ///   RESOURCE_EXHAUSTED naming nothing above max_used_bytes; kCancelled as exec::Joint.
+  [[nodiscard]] Result<BodiesPtr> FindOrMake(const GroomPtr& groom,
+                                             const base::Cancelled& cancelled = {});
 
   /// head::MakeShapes: tries whether FindOrMake could make them; the fields are kept.
-  [[nodiscard]] Result<std::shared_ptr<head::Bodies>> MakeShapes(const groom::Groom& groom) {
-    return head::MakeShapes(groom, &fields_);
+  [[nodiscard]] Result<std::shared_ptr<head::Bodies>> MakeShapes(
+      const groom::Groom& groom, const base::Cancelled& cancelled = {}) {
+    return head::MakeShapes(groom, &fields_, cancelled);
   }
 
  private:
@@ -60,6 +66,10 @@ class BodyLibrary {
     uint64_t used = 0;  // When it was last asked for.
   };
 
+  using Making = exec::Joint<BodiesPtr>;
+
+  // Takes over what was made.
+  [[nodiscard]] Result<BodiesPtr> Add(const GroomPtr& groom, const BodiesPtr& made);
   [[nodiscard]] BodiesPtr FindLocked(const GroomPtr& groom);
   // Of the fields of all bodies that are here, and of `more`.
   [[nodiscard]] size_t BytesLocked(const BodiesPtr& more) const;
@@ -71,9 +81,10 @@ class BodyLibrary {
 
   std::mutex mutex_;
   std::map<Key, Entry, std::owner_less<Key>> bodies_;
-  uint64_t clock_ = 0;  // Counts what is asked for.
+  std::map<Key, std::weak_ptr<Making>, std::owner_less<Key>> makings_;  // Under way.
+  uint64_t clock_ = 0;                                                  // Counts what is asked for.
 
-  exec::WorkerPool pool_{1};  // Last: its tasks use the rest.
+  exec::WorkerPool pool_{kMakers};  // Last: its tasks use the rest.
 };
 
 }  // namespace mane::session
