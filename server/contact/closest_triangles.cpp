@@ -15,7 +15,7 @@ namespace {
 using Eigen::Vector3d;
 
 // What a search and a triangle that it looks at take [ns].
-constexpr uint64_t kSearchWork = 200, kVisitWork = 20;
+constexpr uint64_t kSearchWork = 250, kVisitWork = 8;
 
 struct Search {
   const std::vector<PreparedTriangle>& triangles;

@@ -27,6 +27,13 @@ constexpr int kManyCells = 4;          // Along a side: then their middles are t
 constexpr double kMiddle = 0.7;        // to this share of the tolerance.
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kGrain = 16;  // Root cells a piece.
+
+// One of so many root cells is divided before all are, where they are at least so many samples, to
+// tell what would take some times what there is; what takes less tells itself.
+constexpr int kSampled = 61;
+constexpr int kLeastSamples = 8;
+constexpr uint64_t kSurely = 3;
+
 constexpr uint64_t kLooksSeed = 0x6d616e65;
 
 // What the interpolation misses in a cell of side s, over s: at the worst, where all corners look
@@ -231,6 +238,21 @@ void FieldBuilder::DivideRoot(int root, Piece* piece) const {
   }
 }
 
+// Refuses soon what would be refused late.
+Result<void> FieldBuilder::LookAhead() const {
+  const int samples = grid_.Roots() / kSampled;
+  if (samples < kLeastSamples) return {};
+  SearchBudget sampled(kSurely * budget_->most() / kSampled, budget_->cancelled());
+  pool_->ParallelFor(samples, 1, [&](int sample, int /*end*/) {
+    const SearchBudget::Share own_work(&sampled);
+    Piece thrown_away;
+    if (!sampled.over()) DivideRoot(sample * kSampled, &thrown_away);
+  });
+  auto within = sampled.Check();
+  if (within || within.error().code == ErrorCode::kCancelled) return within;
+  return budget_->TooMuch();
+}
+
 Result<void> FieldBuilder::DivideAll() {
   const int roots = grid_.Roots();
   std::vector<Piece> pieces((roots + kGrain - 1) / kGrain);
@@ -286,6 +308,7 @@ Result<FieldGrid> FieldBuilder::Build() {
   LayOut();
   SampleRoots();
   if (auto within = budget_->Check(); !within) return within.error();
+  if (auto within = LookAhead(); !within) return within.error();
   if (auto divided = DivideAll(); !divided) return divided.error();
   MatchAll();
   return std::move(grid_);

@@ -42,6 +42,7 @@ class FieldBuilder {
   void SampleRoots();
   [[nodiscard]] FieldBlock RootBlock(int root) const;
   void DivideRoot(int root, Piece* piece) const;
+  [[nodiscard]] Result<void> LookAhead() const;
   [[nodiscard]] Result<void> DivideAll();
   void MatchAll();
 

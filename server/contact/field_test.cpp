@@ -256,6 +256,21 @@ TEST_F(FieldTest, RefusesMoreWorkThanTheLimitWhereverItIs) {
   EXPECT_TRUE(MeshField::Build(fixtures::Sphere(4, 0.1), options, &pool_));
 }
 
+TEST_F(FieldTest, RefusesWhatIsFarTooMuchWorkAfterALookAtAFewCells) {
+  FieldOptions options;
+  options.max_work = 3'000'000'000;
+  std::atomic<int> asked = 0;  // Once in a millisecond of work.
+  const auto field = MeshField::Build(fixtures::Heap(100, 0.1), options, &pool_, [&] {
+    ++asked;
+    return false;
+  });
+  ASSERT_FALSE(field);
+  EXPECT_EQ(field.error().code, ErrorCode::kResourceExhausted);
+  EXPECT_NE(field.error().message.find("more than 3 s"), std::string::npos)
+      << field.error().message;
+  EXPECT_LT(asked, 1000);
+}
+
 TEST_F(FieldTest, StopsSoonWhenItIsNotWanted) {
   using Clock = std::chrono::steady_clock;
   std::atomic<int> asked = 0;

@@ -47,12 +47,16 @@ Result<void> SearchBudget::Check() const {
     case State::kSpent:
       break;
   }
-  return Error{ErrorCode::kResourceExhausted,
-               fmt::format("triangles need a distance field that takes more than {:.0f} s of one "
-                           "core to make, the limit: use a coarser mesh, or a cleaner one, whose "
-                           "surface is smooth and does not pass through itself",
-                           static_cast<double>(most_) * 1e-9),
-               "triangles"};
+  return TooMuch();
+}
+
+Error SearchBudget::TooMuch() const {
+  return {ErrorCode::kResourceExhausted,
+          fmt::format("triangles need a distance field that takes more than {:.0f} s of one "
+                      "core to make, the limit: use a coarser mesh, or a cleaner one, whose "
+                      "surface is smooth and does not pass through itself",
+                      static_cast<double>(most_) * 1e-9),
+          "triangles"};
 }
 
 }  // namespace mane::contact

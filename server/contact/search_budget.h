@@ -23,10 +23,14 @@ class SearchBudget {
     return state_.load(std::memory_order_relaxed) != State::kGoing;
   }
   [[nodiscard]] uint64_t spent() const { return spent_; }
+  [[nodiscard]] uint64_t most() const { return most_; }
+  [[nodiscard]] const base::Cancelled& cancelled() const { return cancelled_; }
 
   /// kCancelled when the field is not wanted; RESOURCE_EXHAUSTED naming `triangles` where searches
   /// would have taken more than there is.
   [[nodiscard]] Result<void> Check() const;
+  /// That RESOURCE_EXHAUSTED.
+  [[nodiscard]] Error TooMuch() const;
 
   /// Of a thread that makes a piece; the budget, if any, learns of the work in steps, and all of it
   /// at the end.

@@ -22,7 +22,7 @@ constexpr int kLeafSize = 8;
 constexpr double kFar = 2;
 
 // What a node and a triangle take [ns].
-constexpr uint64_t kNodeWork = 6, kTriangleWork = 35;
+constexpr uint64_t kNodeWork = 5, kTriangleWork = 30;
 
 }  // namespace
 
