@@ -5,6 +5,13 @@
 #include <vector>
 
 namespace mane::session {
+namespace {
+
+size_t SettledBytes(const head::Bodies& bodies) {
+  return (bodies.settled.size() + bodies.settled_memory.size()) * sizeof(bodies.settled[0]);
+}
+
+}  // namespace
 
 bool BodyLibrary::Missing(const GroomPtr& groom) {
   std::lock_guard lock(mutex_);
@@ -36,12 +43,13 @@ Result<BodyLibrary::BodiesPtr> BodyLibrary::Add(const GroomPtr& groom, const Bod
   std::erase_if(bodies_, [](const auto& item) { return item.first.expired(); });
   for (size_t bytes; (bytes = BytesLocked(made)) > options_.max_used_bytes;) {
     if (DropOneLocked()) continue;
-    return Error{ErrorCode::kResourceExhausted,
-                 fmt::format("with the meshes that this groom's hair meets, distance fields in use "
-                             "would take {} bytes; the server has {}: try again when other heads "
-                             "are closed, or another server",
-                             bytes, options_.max_used_bytes),
-                 ""};
+    return Error{
+        ErrorCode::kResourceExhausted,
+        fmt::format("with what this groom's hair meets and remembers, distance fields and "
+                    "settled hair in use would take {} bytes; the server has {}: try again "
+                    "when other heads are closed, or another server",
+                    bytes, options_.max_used_bytes),
+        ""};
   }
   bodies_[groom] = {made, ++clock_};
   return made;
@@ -56,10 +64,12 @@ BodyLibrary::BodiesPtr BodyLibrary::FindLocked(const GroomPtr& groom) {
 
 size_t BodyLibrary::BytesLocked(const BodiesPtr& more) const {
   std::vector<head::Bodies::Body> all = more->bodies;  // Shares the fields.
+  size_t settled = SettledBytes(*more);
   for (const auto& [groom, entry] : bodies_) {
     all.insert(all.end(), entry.bodies->bodies.begin(), entry.bodies->bodies.end());
+    settled += SettledBytes(*entry.bodies);
   }
-  return head::FieldBytes(all);
+  return head::FieldBytes(all) + settled;
 }
 
 bool BodyLibrary::DropOneLocked() {

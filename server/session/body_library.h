@@ -19,8 +19,9 @@ struct BodyLibraryOptions {
   contact::FieldOptions field;
   /// Of distance fields that are kept though nobody uses them [bytes].
   size_t max_kept_bytes = size_t{1} << 30;
-  /// Of the fields of all bodies that are here [bytes]: those that no head uses make room, and a
-  /// groom whose fields still come on top is refused. One mesh in several grooms counts once.
+  /// Of the fields of all bodies that are here, and of hair that settled among them [bytes]: those
+  /// that no head uses make room, and a groom that still comes on top is refused. One mesh in
+  /// several grooms counts once.
   size_t max_used_bytes = size_t{4} << 30;
   int workers = 1;  ///< That build a field together, >= 1.
 };
@@ -71,7 +72,7 @@ class BodyLibrary {
   // Takes over what was made.
   [[nodiscard]] Result<BodiesPtr> Add(const GroomPtr& groom, const BodiesPtr& made);
   [[nodiscard]] BodiesPtr FindLocked(const GroomPtr& groom);
-  // Of the fields of all bodies that are here, and of `more`.
+  // Of the fields and the settled hair of all bodies that are here, and of `more`.
   [[nodiscard]] size_t BytesLocked(const BodiesPtr& more) const;
   // Drops the one used longest ago of those that no head uses; false where there is none.
   bool DropOneLocked();

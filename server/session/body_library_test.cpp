@@ -8,6 +8,7 @@
 #include <atomic>
 #include <thread>
 
+#include "head/memory.h"
 #include "session/test_heads.h"
 
 namespace mane::session {
@@ -71,6 +72,20 @@ TEST(BodyLibraryTest, FieldsInUseAreLimited) {
   held = nullptr;  // Its heads are closed.
   EXPECT_TRUE(library.FindOrMake(large));
   EXPECT_TRUE(library.Missing(small));
+}
+
+TEST(BodyLibraryTest, SettledHairIsCounted) {
+  const auto groom = SampleGroomWithBodies(40, 6), other = SampleGroomWithBodies(40, 6);
+  BodyLibraryOptions options;
+  options.max_used_bytes = 3 * head::StateBytes(*groom) / 2;  // No fields: all of it hair.
+  BodyLibrary library(options);
+  auto held = *library.FindOrMake(groom);
+  ASSERT_NE(held, nullptr);
+  const auto refused = library.FindOrMake(other);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kResourceExhausted);
+  held = nullptr;
+  EXPECT_TRUE(library.FindOrMake(other));
 }
 
 TEST(BodyLibraryTest, WhatNobodyWaitsForIsNotMade) {
