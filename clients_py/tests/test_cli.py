@@ -85,6 +85,10 @@ def test_wrong_usage_ends_with_2(arguments):
     assert "Usage:" in run(*arguments, code=2)
 
 
+def test_a_wisp_radius_is_finite():
+    assert "finite" in run("groom", "create", "x", "--wisp-radius", "nan", code=2)
+
+
 def test_no_server_ends_with_1_and_says_so_in_one_line():
     text = run("status", server="127.0.0.1:1", code=1)
     assert text.startswith("error: no answer from 127.0.0.1:1")

@@ -97,14 +97,32 @@ def test_what_is_saved_is_what_is_loaded(tmp_path):
         (SQUARE, "mesh.obj"),
         ("v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n", "finite"),
         ("v 0 0 0\nv inf 0 0\nv 0 1 0\nf 1 2 3\n", "finite"),
-        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "mesh.obj"),
-        ("v 0 0 zero\nf 1 1 1\n", "mesh.obj"),
-        ("\x00\x01\x02 this is not a mesh", "mesh.obj"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "mesh.obj.*line 4 names vertex 9; there are 3"),
+        ("v 0 0 zero\nf 1 1 1\n", "mesh.obj.*line 1 is 'v 0 0 zero', must hold numbers"),
+        ("v 0 0\nf 1 1 1\n", "mesh.obj.*line 1 has 2 coordinates, must have 3"),
+        ("\x00\x01\x02 this is not a mesh", "mesh.obj.*binary, not text"),
     ],
 )
 def test_bad_files_are_refused_by_name(written, text, says):
     with pytest.raises(InvalidArgument, match=says):
         load_obj(written(text))
+
+
+def test_random_bytes_are_refused_by_name_whatever_they_are(tmp_path):
+    path = tmp_path / "mesh.obj"
+    for seed in range(20):
+        path.write_bytes(np.random.default_rng(seed).integers(seed % 2, 256, 3000, np.uint8))
+        with pytest.raises(InvalidArgument, match="mesh.obj") as refused:
+            load_obj(path)
+        assert "charset" not in str(refused.value)
+
+
+def test_comments_may_be_of_any_encoding(tmp_path):
+    path = tmp_path / "mesh.obj"
+    path.write_bytes(b"# Sch\xe4del\n" + (SQUARE + "f 1 2 3\n").encode())
+    assert len(load_obj(path).triangles) == 1
+    path.write_bytes(b"\xef\xbb\xbf" + (SQUARE + "f 1 2 3\n").encode())
+    assert len(load_obj(path).triangles) == 1
 
 
 def test_an_unknown_group_names_the_known_ones(written):

@@ -6,14 +6,9 @@
 
 namespace mane::base {
 
-/// A caller's `text` for a message: its beginning, with everything but printable ASCII
-/// replaced by `?`, so that a cut through a character leaves valid UTF-8.
-[[nodiscard]] inline std::string Shown(std::string_view text) {
-  std::string shown(text.substr(0, 126));
-  std::ranges::replace_if(
-      shown, [](char c) { return c < ' ' || c > '~'; }, '?');
-  return shown;
-}
+/// A caller's `text` for a message: its beginning, 126 bytes at most, as it is; every byte that is
+/// no part of a character of UTF-8 and every control character are replaced by `?`.
+[[nodiscard]] std::string Shown(std::string_view text);
 
 /// Whether `text` is 1 to `most` of a-z, 0-9 and `others`, and begins and ends with one of the
 /// first two.

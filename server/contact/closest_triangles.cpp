@@ -6,12 +6,16 @@
 #include <limits>
 
 #include "base/check.h"
+#include "contact/search_budget.h"
 #include "contact/triangle.h"
 
 namespace mane::contact {
 namespace {
 
 using Eigen::Vector3d;
+
+// What a search and a triangle that it looks at take [ns].
+constexpr uint64_t kSearchWork = 250, kVisitWork = 8;
 
 struct Search {
   const std::vector<PreparedTriangle>& triangles;
@@ -20,12 +24,14 @@ struct Search {
   double squared = std::numeric_limits<double>::infinity();
   Vector3d nearest = Vector3d::Zero();
   uint32_t triangle = RTC_INVALID_GEOMETRY_ID;
+  uint64_t work = kSearchWork;
 };
 
 // Looks at one triangle that Embree found near enough.
 bool Visit(RTCPointQueryFunctionArguments* arguments) {
   auto& search = *static_cast<Search*>(arguments->userPtr);
   const PreparedTriangle& triangle = search.triangles[arguments->primID];
+  search.work += kVisitWork;
   // Not even its plane is near enough, rounding granted.
   const double above = triangle.n.dot(search.point - triangle.a);
   if (above * above > search.squared * (1 + 1e-9) + 1e-24) return false;
@@ -110,6 +116,7 @@ ClosestTriangles::Hit ClosestTriangles::Find(const Vector3d& point, double withi
     // What was found beyond the radius need not be the nearest.
     if (std::sqrt(search.squared) <= radius * (1 + 1e-9)) break;
   }
+  SearchBudget::Count(search.work);
   MANE_CHECK(search.triangle != RTC_INVALID_GEOMETRY_ID);
   return {std::sqrt(search.squared), search.nearest, static_cast<int>(search.triangle)};
 }

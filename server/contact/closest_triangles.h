@@ -25,7 +25,8 @@ class ClosestTriangles {
   /// whatever hierarchy was built.
   ///
   /// @param within  a bound on the distance [m], which makes the search short; where nothing lies
-  /// within it, the search is repeated without. Thread-safe, no allocation.
+  /// within it, the search is repeated without. Thread-safe, no allocation. Counted by the thread's
+  /// SearchBudget.
   [[nodiscard]] Hit Find(const Eigen::Vector3d& point, double within) const;
 
  private:

@@ -27,6 +27,13 @@ constexpr int kManyCells = 4;          // Along a side: then their middles are t
 constexpr double kMiddle = 0.7;        // to this share of the tolerance.
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kGrain = 16;  // Root cells a piece.
+
+// One of so many root cells is divided before all are, where they are at least so many samples, to
+// tell what would take some times what there is; what takes less tells itself.
+constexpr int kSampled = 61;
+constexpr int kLeastSamples = 8;
+constexpr uint64_t kSurely = 3;
+
 constexpr uint64_t kLooksSeed = 0x6d616e65;
 
 // What the interpolation misses in a cell of side s, over s: at the worst, where all corners look
@@ -107,7 +114,8 @@ void FieldBuilder::SampleRoots() {
   const int along = cells_[0] + 1, columns = cells_[1] + 1, layers = cells_[2] + 1;
   FieldBlock roots(truth_, grid_.origin, grid_.side, {0, 0, 0}, {along, columns, layers});
   pool_->ParallelFor(columns * layers, 16, [&](int begin, int end) {
-    for (int row = begin; row < end; ++row) {
+    const SearchBudget::Share own_work(budget_);
+    for (int row = begin; row < end && !budget_->over(); ++row) {
       const int j = row % columns, k = row / columns;
       double bound = kInfinity;
       if (row > begin && j > 0) bound = roots.distance(roots.At(0, j - 1, k)) + grid_.side;
@@ -230,23 +238,41 @@ void FieldBuilder::DivideRoot(int root, Piece* piece) const {
   }
 }
 
+// Refuses soon what would be refused late.
+Result<void> FieldBuilder::LookAhead() const {
+  const int samples = grid_.Roots() / kSampled;
+  if (samples < kLeastSamples) return {};
+  SearchBudget sampled(kSurely * budget_->most() / kSampled, budget_->cancelled());
+  pool_->ParallelFor(samples, 1, [&](int sample, int /*end*/) {
+    const SearchBudget::Share own_work(&sampled);
+    Piece thrown_away;
+    if (!sampled.over()) DivideRoot(sample * kSampled, &thrown_away);
+  });
+  auto within = sampled.Check();
+  if (within || within.error().code == ErrorCode::kCancelled) return within;
+  return budget_->TooMuch();
+}
+
 Result<void> FieldBuilder::DivideAll() {
   const int roots = grid_.Roots();
   std::vector<Piece> pieces((roots + kGrain - 1) / kGrain);
   std::atomic<size_t> bytes{grid_.Bytes()};
   pool_->ParallelFor(roots, kGrain, [&](int begin, int end) {
+    const SearchBudget::Share own_work(budget_);
     Piece& piece = pieces[begin / kGrain];
-    for (int root = begin; root < end && bytes <= options_.max_bytes; ++root) {
+    for (int root = begin; root < end && bytes <= options_.max_bytes && !budget_->over(); ++root) {
       const size_t nodes = piece.nodes.size();
       DivideRoot(root, &piece);
       bytes += (piece.nodes.size() - nodes) * sizeof(FieldGrid::Node);
     }
   });
+  if (auto within = budget_->Check(); !within) return within;
   if (bytes > options_.max_bytes) {
     return Error{
         ErrorCode::kResourceExhausted,
         fmt::format("triangles need a distance field of more than {} bytes, the limit, for "
-                    "an error of {} m within {} m of a surface as large and as rough",
+                    "an error of {} m within {} m of a surface as large and as rough: use a "
+                    "smaller or smoother one",
                     options_.max_bytes, options_.tolerance, options_.band),
         "triangles"};
   }
@@ -281,6 +307,8 @@ void FieldBuilder::MatchAll() {
 Result<FieldGrid> FieldBuilder::Build() {
   LayOut();
   SampleRoots();
+  if (auto within = budget_->Check(); !within) return within.error();
+  if (auto within = LookAhead(); !within) return within.error();
   if (auto divided = DivideAll(); !divided) return divided.error();
   MatchAll();
   return std::move(grid_);
@@ -290,7 +318,8 @@ double FieldBuilder::MaxError(const FieldGrid& grid) const {
   std::vector<double> worst(grid.Roots(), 0);
   constexpr int n = FieldGrid::kChildren;
   pool_->ParallelFor(static_cast<int>(worst.size()), kGrain, [&](int begin, int end) {
-    for (int root = begin; root < end; ++root) {
+    const SearchBudget::Share own_work(budget_);
+    for (int root = begin; root < end && !budget_->over(); ++root) {
       if (grid.index[root].n != 0) continue;
       const std::array<int, 3> place = PlaceOf(root);
       const Vector3d low = grid.origin + grid.side * Vector3d(place[0], place[1], place[2]);

@@ -22,14 +22,17 @@ namespace mane::contact {
 /// Deterministic: root cells are worked off in fixed pieces, each of which owns what it makes.
 class FieldBuilder {
  public:
-  /// All three outlive the builder.
-  FieldBuilder(const SolidDistance& truth, const FieldOptions& options, exec::WorkerPool* pool)
-      : truth_(truth), options_(options), pool_(pool) {}
+  /// All outlive the builder.
+  FieldBuilder(const SolidDistance& truth, const FieldOptions& options, exec::WorkerPool* pool,
+               SearchBudget* budget)
+      : truth_(truth), options_(options), pool_(pool), budget_(budget) {}
 
-  /// @return RESOURCE_EXHAUSTED where the grid would take more than options.max_bytes.
+  /// @return RESOURCE_EXHAUSTED where the grid would take more than options.max_bytes; errors
+  ///   of the budget.
   [[nodiscard]] Result<FieldGrid> Build();
 
-  /// Largest error [m] of the built `grid` at random points in the band, n of them in each child.
+  /// Largest error [m] of the built `grid` at random points in the band, n of them in each child;
+  /// any number once the budget is over.
   [[nodiscard]] double MaxError(const FieldGrid& grid) const;
 
  private:
@@ -39,6 +42,7 @@ class FieldBuilder {
   void SampleRoots();
   [[nodiscard]] FieldBlock RootBlock(int root) const;
   void DivideRoot(int root, Piece* piece) const;
+  [[nodiscard]] Result<void> LookAhead() const;
   [[nodiscard]] Result<void> DivideAll();
   void MatchAll();
 
@@ -56,6 +60,7 @@ class FieldBuilder {
   const SolidDistance& truth_;
   const FieldOptions& options_;
   exec::WorkerPool* const pool_;
+  SearchBudget* const budget_;
   FieldGrid grid_;                     // Until Build returns it.
   std::array<int, 3> cells_{};         // Of the grid.
   std::vector<double> root_distance_;  // Unsigned, by root corner [m].

@@ -45,6 +45,7 @@ std::shared_ptr<FieldCache::Entry> FieldCache::FindOrAdd(const Key& key) {
   } else {
     by_use_.splice(by_use_.begin(), by_use_, entry->place);
   }
+  ++entry->asking;
   return entry;
 }
 
@@ -55,15 +56,14 @@ void FieldCache::Drop(const Key& key) {
   entries_.erase(found);
 }
 
-// Counts a built field in, or a refused mesh (of no bytes) out, and drops what was used longest
-// ago.
-void FieldCache::Settle(const Key& key, const std::shared_ptr<Entry>& entry, size_t bytes) {
+// Counts a built field in, and drops what was used longest ago.
+void FieldCache::CountIn(const Key& key, const Entry* entry, size_t bytes) {
   std::lock_guard lock(mutex_);
   const auto found = entries_.find(key);
-  if (found == entries_.end() || found->second != entry) return;
-  entry->bytes = bytes;
+  MANE_CHECK(found != entries_.end() && found->second.get() == entry);  // Not dropped before.
+  found->second->bytes = bytes;
   bytes_ += bytes;
-  if (bytes == 0 || bytes > max_bytes_) Drop(key);
+  if (bytes > max_bytes_) Drop(key);
   for (auto place = by_use_.end(); bytes_ > max_bytes_;) {
     const Key oldest = *--place;
     if (entries_.at(oldest)->bytes == 0) continue;  // Being built.
@@ -72,15 +72,23 @@ void FieldCache::Settle(const Key& key, const std::shared_ptr<Entry>& entry, siz
   }
 }
 
-Result<std::shared_ptr<const MeshField>> FieldCache::Get(const TriangleMesh& mesh) {
+// The last one out drops what is not built: refused, or not wanted any more.
+void FieldCache::Leave(const Key& key, Entry* entry) {
+  std::lock_guard lock(mutex_);
+  if (--entry->asking == 0 && entry->bytes == 0) Drop(key);
+}
+
+Result<std::shared_ptr<const MeshField>> FieldCache::Get(const TriangleMesh& mesh,
+                                                         const base::Cancelled& cancelled) {
   const Key key = KeyOf(mesh);
   const std::shared_ptr<Entry> entry = FindOrAdd(key);
-  std::lock_guard building(entry->building);
-  if (entry->field != nullptr) return entry->field;
-  auto built = MeshField::Build(mesh, options_, &pool_);
-  if (built) entry->field = *built;
-  Settle(key, entry, built ? (*built)->bytes() : 0);
-  return built;
+  auto field = entry->field.Get(cancelled, [&](const base::Cancelled& unwanted) {
+    auto built = MeshField::Build(mesh, options_, &pool_, unwanted);
+    if (built) CountIn(key, entry.get(), (*built)->bytes());
+    return built;
+  });
+  Leave(key, entry.get());
+  return field;
 }
 
 size_t FieldCache::bytes() const {

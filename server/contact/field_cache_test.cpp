@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <thread>
 #include <vector>
 
@@ -83,6 +84,33 @@ TEST_F(FieldCacheTest, ManyWhoAskAtOnceGetTheSame) {
   for (const auto& field : got) EXPECT_EQ(field, got[0]);
   for (const auto& field : more) EXPECT_EQ(field, got[0]);
   EXPECT_EQ(cache.size(), 1U);
+}
+
+TEST_F(FieldCacheTest, ABuildStopsOnlyWhenAllHaveLeft) {
+  FieldCache cache({}, size_t{1} << 30, 2);
+  const TriangleMesh heap = fixtures::Heap(1000, 0.05);  // Takes minutes.
+  std::atomic<bool> first = false, second = false;
+  std::atomic<bool> first_left = false, second_waits = false;
+  ErrorCode of_first{}, of_second{};
+  std::jthread one([&] {
+    of_first = cache.Get(heap, [&] { return first.load(); }).error().code;
+    first_left = true;
+  });
+  std::jthread two([&] {
+    const auto leaves = [&] {
+      second_waits = true;
+      return second.load();
+    };
+    of_second = cache.Get(heap, leaves).error().code;
+  });
+  while (!second_waits) std::this_thread::yield();
+  EXPECT_EQ(cache.size(), 1U);
+  first = second = true;
+  one.join(), two.join();
+  EXPECT_EQ(of_first, ErrorCode::kCancelled);
+  EXPECT_EQ(of_second, ErrorCode::kCancelled);
+  EXPECT_EQ(cache.size(), 0U);
+  EXPECT_NE(Get(&cache, one_), nullptr);  // Others are served as ever.
 }
 
 }  // namespace

@@ -9,6 +9,8 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -234,6 +236,50 @@ TEST_F(FieldTest, RefusesMoreBytesThanTheLimit) {
   ASSERT_FALSE(field);
   EXPECT_EQ(field.error().code, ErrorCode::kResourceExhausted);
   EXPECT_NE(field.error().message.find("100000"), std::string::npos) << field.error().message;
+}
+
+TEST_F(FieldTest, RefusesMoreWorkThanTheLimitWhereverItIs) {
+  FieldOptions options;
+  options.max_work = 300'000'000;
+  // Of a heap already finding the surface may take more, of a smooth body only many cells do.
+  const TriangleMesh meshes[] = {fixtures::Heap(3000, 0.05), fixtures::Heap(50, 0.05),
+                                 fixtures::Sphere(5, 0.5)};
+  for (const TriangleMesh& mesh : meshes) {
+    const auto field = MeshField::Build(mesh, options, &pool_);
+    ASSERT_FALSE(field) << mesh.triangles.size();
+    EXPECT_EQ(field.error().code, ErrorCode::kResourceExhausted);
+    EXPECT_EQ(field.error().field, "triangles");
+    EXPECT_NE(field.error().message.find("does not pass through itself"), std::string::npos)
+        << field.error().message;
+  }
+  options.max_work = FieldOptions().max_work / 20;  // What is usual is far from the limit.
+  EXPECT_TRUE(MeshField::Build(fixtures::Sphere(4, 0.1), options, &pool_));
+}
+
+TEST_F(FieldTest, RefusesWhatIsFarTooMuchWorkAfterALookAtAFewCells) {
+  FieldOptions options;
+  options.max_work = 3'000'000'000;
+  std::atomic<int> asked = 0;  // Once in a millisecond of work.
+  const auto field = MeshField::Build(fixtures::Heap(100, 0.1), options, &pool_, [&] {
+    ++asked;
+    return false;
+  });
+  ASSERT_FALSE(field);
+  EXPECT_EQ(field.error().code, ErrorCode::kResourceExhausted);
+  EXPECT_NE(field.error().message.find("more than 3 s"), std::string::npos)
+      << field.error().message;
+  EXPECT_LT(asked, 1000);
+}
+
+TEST_F(FieldTest, StopsSoonWhenItIsNotWanted) {
+  using Clock = std::chrono::steady_clock;
+  std::atomic<int> asked = 0;
+  const auto begin = Clock::now();
+  const auto field =
+      MeshField::Build(fixtures::Heap(1000, 0.05), {}, &pool_, [&] { return ++asked > 20; });
+  ASSERT_FALSE(field);
+  EXPECT_EQ(field.error().code, ErrorCode::kCancelled);
+  EXPECT_LT(std::chrono::duration<double>(Clock::now() - begin).count(), 5);  // Of minutes.
 }
 
 TEST_F(FieldTest, IsTheSameForAnyNumberOfWorkers) {

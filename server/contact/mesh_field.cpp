@@ -95,20 +95,24 @@ struct Place {
 
 Result<std::shared_ptr<const MeshField>> MeshField::Build(const TriangleMesh& mesh,
                                                           const FieldOptions& options,
-                                                          exec::WorkerPool* pool) {
+                                                          exec::WorkerPool* pool,
+                                                          const base::Cancelled& cancelled) {
   MeshReport report;
   auto solid = Repair(mesh, options.limits, &report);
   if (!solid) return solid.error();
-  const SolidDistance truth(*std::move(solid), pool);
+  SearchBudget budget(options.max_work, cancelled);
+  const SolidDistance truth(*std::move(solid), pool, &budget);
+  if (auto within = budget.Check(); !within) return within.error();
   report.buried_triangles = truth.buried();
   if (!truth.has_surface()) {
     return InvalidArgument("triangles",
                            "triangles bound no solid: none has an inside on one side only");
   }
-  FieldBuilder builder(truth, options, pool);
+  FieldBuilder builder(truth, options, pool, &budget);
   auto grid = builder.Build();
   if (!grid) return grid.error();
   const double max_error = builder.MaxError(*grid);
+  if (auto within = budget.Check(); !within) return within.error();
   return std::shared_ptr<const MeshField>(
       std::make_shared<MeshField>(*std::move(grid), report, max_error));
 }

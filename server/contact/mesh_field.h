@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "base/result.h"
+#include "base/cancelled.h"
 #include "contact/distance.h"
 #include "contact/field_grid.h"
 #include "contact/mesh.h"
@@ -23,6 +23,9 @@ struct FieldOptions {
   double root_side = 0.032;
   /// A field of more bytes is refused.
   size_t max_bytes = size_t{512} << 20;
+  /// One that takes more work is refused: nanoseconds of one core, about, counted as what searches
+  /// look at, so that it does not depend on the machine.
+  uint64_t max_work = 40'000'000'000;
   MeshLimits limits;
 };
 
@@ -33,10 +36,11 @@ class MeshField {
   /// Repairs `mesh` and samples the distance to it.
   ///
   /// @return Repair's errors; INVALID_ARGUMENT naming `triangles` where no triangle bounds a solid;
-  ///   RESOURCE_EXHAUSTED above options.max_bytes. The same bits for any number of workers.
-  [[nodiscard]] static Result<std::shared_ptr<const MeshField>> Build(const TriangleMesh& mesh,
-                                                                      const FieldOptions& options,
-                                                                      exec::WorkerPool* pool);
+  ///   RESOURCE_EXHAUSTED above options.max_bytes and max_work; kCancelled soon after `cancelled`
+  ///   says so. The same bits for any number of workers.
+  [[nodiscard]] static Result<std::shared_ptr<const MeshField>> Build(
+      const TriangleMesh& mesh, const FieldOptions& options, exec::WorkerPool* pool,
+      const base::Cancelled& cancelled = {});
 
   /// A field of given numbers, for Build and tests.
   MeshField(FieldGrid grid, const MeshReport& report, double max_error)

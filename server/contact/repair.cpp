@@ -32,9 +32,20 @@ Error TooMany(const char* field, size_t count, int limit) {
           fmt::format("{} holds {}; at most {} are taken", field, count, limit), field};
 }
 
+// Whether a triangle has it, for each vertex. The others are as if they were not there.
+std::vector<bool> UsedVertices(const TriangleMesh& mesh) {
+  std::vector<bool> used(mesh.vertices.size());
+  for (const Triangle& t : mesh.triangles) {
+    for (const uint32_t v : t) used[v] = true;
+  }
+  return used;
+}
+
 Result<void> CheckVertices(const TriangleMesh& mesh, const MeshLimits& limits) {
-  Eigen::Vector3f low = mesh.vertices[0], high = low;
+  const std::vector<bool> used = UsedVertices(mesh);
+  Eigen::Vector3f low = mesh.vertices[mesh.triangles[0][0]], high = low;
   for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+    if (!used[i]) continue;
     const Eigen::Vector3f& v = mesh.vertices[i];
     if (!(v.cwiseAbs().maxCoeff() <= limits.max_coordinate) || !v.allFinite()) {
       const std::string field = fmt::format("vertices[{}]", i);
@@ -118,26 +129,26 @@ class WeldGrid {
 
 // Each used vertex joins the first one within the welding distance. Unused ones go.
 SolidMesh Weld(const TriangleMesh& mesh, MeshReport* report) {
-  constexpr uint32_t kUnused = ~0U;
-  std::vector<uint32_t> target(mesh.vertices.size(), kUnused);
-  for (const Triangle& t : mesh.triangles) {
-    for (const uint32_t v : t) target[v] = 0;
-  }
+  constexpr uint32_t kNone = ~0U;
+  const std::vector<bool> used = UsedVertices(mesh);
+  std::vector<uint32_t> target(mesh.vertices.size(), kNone);
   Eigen::AlignedBox3d box;
-  for (const Eigen::Vector3f& v : mesh.vertices) box.extend(v.cast<double>());
+  for (size_t i = 0; i < used.size(); ++i) {
+    if (used[i]) box.extend(mesh.vertices[i].cast<double>());
+  }
   const double reach = kWeldShare * box.diagonal().norm();
   WeldGrid grid(reach);
   SolidMesh solid;
   for (size_t i = 0; i < target.size(); ++i) {
-    if (target[i] == kUnused) continue;
+    if (!used[i]) continue;
     const Vector3d p = mesh.vertices[i].cast<double>();
-    uint32_t first = kUnused;
+    uint32_t first = kNone;
     grid.Near(p, [&](const std::vector<uint32_t>& kept) {
       for (const uint32_t v : kept) {
         if ((solid.vertices[v] - p).norm() <= reach) first = std::min(first, v);
       }
     });
-    if (first == kUnused) {
+    if (first == kNone) {
       first = static_cast<uint32_t>(solid.vertices.size());
       solid.vertices.push_back(p);
       grid.Add(p, first);

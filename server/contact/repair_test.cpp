@@ -72,6 +72,28 @@ TEST_F(RepairTest, WeldsVerticesThatAreDoubled) {
   EXPECT_EQ(report_.holes, 0);
 }
 
+TEST_F(RepairTest, VerticesOfNoTriangleCountForNothing) {
+  const SolidMesh plain = Mend(ball_);
+  const auto close = static_cast<uint32_t>(ball_.vertices.size());
+  TriangleMesh mesh = ball_;  // And two vertices 2e-6 of the extent apart, which stay two.
+  mesh.vertices.push_back(ball_.vertices[5] * (1 + 4e-6F));
+  for (Triangle& t : mesh.triangles) {
+    if (t[0] == 5) t[0] = close;
+  }
+  const size_t apart = Mend(mesh).vertices.size();
+  for (const Vector3f& stray : {Vector3f(300, 0, 0), Vector3f(0, -1e30F, 0),
+                                Vector3f(0, 0, std::numeric_limits<float>::quiet_NaN())}) {
+    TriangleMesh other = mesh;
+    other.vertices.push_back(stray);
+    EXPECT_EQ(Mend(other).vertices.size(), apart);
+  }
+  TriangleMesh far = ball_;
+  far.vertices.push_back({300, 0, 0});
+  EXPECT_EQ(Mend(far).vertices, plain.vertices);
+  far.triangles[0][0] = close;
+  EXPECT_EQ(Refuse(far).field, "vertices");
+}
+
 TEST_F(RepairTest, DropsTrianglesWithoutAreaAndDuplicates) {
   TriangleMesh mesh = ball_;
   mesh.triangles.push_back({5, 5, 7});

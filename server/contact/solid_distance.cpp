@@ -39,18 +39,21 @@ int Facing(const WindingTree& winding, const SolidMesh& mesh, const Triangle& t)
 
 }  // namespace
 
-SolidDistance::SolidDistance(SolidMesh mesh, exec::WorkerPool* pool)
+SolidDistance::SolidDistance(SolidMesh mesh, exec::WorkerPool* pool, SearchBudget* budget)
     : mesh_(std::move(mesh)),
       winding_(mesh_),
-      surface_(Surface(pool)),
+      surface_(Surface(pool, budget)),
       buried_(static_cast<int>(mesh_.triangles.size() - surface_.triangles.size())),
       closest_(surface_.triangles.empty() ? nullptr
                                           : std::make_unique<ClosestTriangles>(surface_)) {}
 
-SolidMesh SolidDistance::Surface(exec::WorkerPool* pool) const {
+SolidMesh SolidDistance::Surface(exec::WorkerPool* pool, SearchBudget* budget) const {
   std::vector<int> facing(mesh_.triangles.size());
   pool->ParallelFor(static_cast<int>(facing.size()), 256, [&](int begin, int end) {
-    for (int t = begin; t < end; ++t) facing[t] = Facing(winding_, mesh_, mesh_.triangles[t]);
+    const SearchBudget::Share own_work(budget);
+    for (int t = begin; t < end && !SearchBudget::Over(); ++t) {
+      facing[t] = Facing(winding_, mesh_, mesh_.triangles[t]);
+    }
   });
   SolidMesh surface{mesh_.vertices, {}};
   for (size_t i = 0; i < facing.size(); ++i) {

@@ -6,6 +6,7 @@
 #include "contact/closest_triangles.h"
 #include "contact/distance.h"
 #include "contact/mesh.h"
+#include "contact/search_budget.h"
 #include "contact/winding.h"
 #include "exec/worker_pool.h"
 
@@ -15,9 +16,13 @@ namespace mane::contact {
 ///
 /// The solid is where the winding number is above a half, so pieces may overlap; triangles with
 /// solid, or with none, on both sides are buried and no distance is measured to them.
+///
+/// Where a thread's SearchBudget is over, what it asks is answered at once, with anything.
 class SolidDistance {
  public:
-  SolidDistance(SolidMesh mesh, exec::WorkerPool* pool);
+  /// @param budget  of the searches that find the surface, which is not all there once it is over;
+  ///   null for any number of them.
+  SolidDistance(SolidMesh mesh, exec::WorkerPool* pool, SearchBudget* budget = nullptr);
 
   /// Triangles left out because they are no boundary of the solid.
   [[nodiscard]] int buried() const { return buried_; }
@@ -28,9 +33,12 @@ class SolidDistance {
 
   /// The nearest surface point; see ClosestTriangles::Find.
   [[nodiscard]] ClosestTriangles::Hit Closest(const Eigen::Vector3d& point, double within) const {
+    if (SearchBudget::Over()) return {0, point, 0};
     return closest_->Find(point, within);
   }
-  [[nodiscard]] bool Inside(const Eigen::Vector3d& point) const { return winding_.Inside(point); }
+  [[nodiscard]] bool Inside(const Eigen::Vector3d& point) const {
+    return !SearchBudget::Over() && winding_.Inside(point);
+  }
 
   /// Direction of growing distance at `point`, whose nearest surface point is `hit`; on the surface
   /// the triangle's normal.
@@ -43,7 +51,7 @@ class SolidDistance {
                             double within = std::numeric_limits<double>::infinity()) const;
 
  private:
-  [[nodiscard]] SolidMesh Surface(exec::WorkerPool* pool) const;
+  [[nodiscard]] SolidMesh Surface(exec::WorkerPool* pool, SearchBudget* budget) const;
 
   const SolidMesh mesh_;
   const WindingTree winding_;

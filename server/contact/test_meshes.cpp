@@ -1,11 +1,14 @@
 #include "contact/test_meshes.h"
 
+#include <Eigen/Geometry>
+
 #include <array>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <map>
 #include <numbers>
+#include <random>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -90,6 +93,25 @@ TriangleMesh Torus(double ring_radius, double tube_radius, int around, int acros
       };
       mesh.triangles.push_back({at(i, j), at(i, j + 1), at(i + 1, j + 1)});
       mesh.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i + 1, j)});
+    }
+  }
+  return mesh;
+}
+
+TriangleMesh Heap(int tetrahedra, double size) {
+  std::mt19937_64 rng(7);
+  std::uniform_real_distribution<double> place(-size, size);
+  const auto point = [&] { return Vector3d(place(rng), place(rng), place(rng)); };
+  TriangleMesh mesh;
+  for (int i = 0; i < tetrahedra; ++i) {
+    const Vector3d centre = point();
+    Vector3d p[4];
+    for (Vector3d& each : p) each = centre + point();
+    if ((p[1] - p[0]).cross(p[2] - p[0]).dot(p[3] - p[0]) < 0) std::swap(p[0], p[1]);
+    const auto first = static_cast<uint32_t>(mesh.vertices.size());
+    for (const Vector3d& each : p) mesh.vertices.push_back(each.cast<float>());
+    for (const auto& [a, b, c] : {Triangle{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}) {
+      mesh.triangles.push_back({first + a, first + b, first + c});
     }
   }
   return mesh;

@@ -22,6 +22,10 @@ TriangleMesh Box(const Eigen::Vector3d& low, const Eigen::Vector3d& high, int ce
 /// A torus about the y axis.
 TriangleMesh Torus(double ring_radius, double tube_radius, int around, int across);
 
+/// Tetrahedra with sides of some `size` at random places that overlap: a mesh of few bytes whose
+/// surface is all folds, and no part of which is far from any other.
+TriangleMesh Heap(int tetrahedra, double size);
+
 /// Both meshes as one.
 TriangleMesh Together(const TriangleMesh& a, const TriangleMesh& b);
 

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "base/check.h"
+#include "contact/search_budget.h"
 #include "contact/triangle.h"
 
 namespace mane::contact {
@@ -19,6 +20,9 @@ constexpr int kLeafSize = 8;
 
 // A node is one dipole from this many radii on; its error falls with the square.
 constexpr double kFar = 2;
+
+// What a node and a triangle take [ns].
+constexpr uint64_t kNodeWork = 5, kTriangleWork = 30;
 
 }  // namespace
 
@@ -76,17 +80,20 @@ int WindingTree::Build(int begin, int end) {
 
 double WindingTree::Number(const Vector3d& point) const {
   double angle = 0;
+  uint64_t work = 0;
   std::array<int, 64> waiting;  // The tree halves its triangles: 24 levels at most.
   int count = 0;
   waiting[count++] = 0;
   while (count > 0) {
     const int index = waiting[--count];
     const Node& node = nodes_[index];
+    work += kNodeWork;
     const Vector3d d = node.centre - point;
     const double squared = d.squaredNorm();
     if (squared > kFar * kFar * node.radius * node.radius) {
       angle += node.area_vector.dot(d) / (squared * std::sqrt(squared));
     } else if (node.right == 0) {
+      work += kTriangleWork * (node.end - node.begin);
       for (int i = node.begin; i < node.end; ++i) {
         const auto& [a, b, c] = mesh_.triangles[order_[i]];
         angle += SolidAngle(point, mesh_.vertices[a], mesh_.vertices[b], mesh_.vertices[c]);
@@ -96,6 +103,7 @@ double WindingTree::Number(const Vector3d& point) const {
       waiting[count++] = index + 1;
     }
   }
+  SearchBudget::Count(work);
   return angle / (4 * std::numbers::pi);
 }
 

@@ -16,7 +16,8 @@ class WindingTree {
   /// Keeps a reference to `mesh`. O(T log T).
   explicit WindingTree(const SolidMesh& mesh);
 
-  /// O(log T), thread-safe, no allocation.
+  /// O(log T) where the mesh is well-behaved, else O(T); thread-safe, no allocation. Counted by the
+  /// thread's SearchBudget.
   [[nodiscard]] double Number(const Eigen::Vector3d& point) const;
 
   /// Whether `point` is within the solid: where pieces overlap too, but not in a cavity.

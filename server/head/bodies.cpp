@@ -27,14 +27,16 @@ Error Within(const std::string& path, const std::string& whose, Error error) {
 }
 
 template <typename Mesh>
-Result<contact::BodyShape> MakeField(const Mesh& mesh, contact::FieldCache* fields) {
-  auto field = fields->Get({mesh.vertices, mesh.triangles});
+Result<contact::BodyShape> MakeField(const Mesh& mesh, contact::FieldCache* fields,
+                                     const base::Cancelled& cancelled) {
+  auto field = fields->Get({mesh.vertices, mesh.triangles}, cancelled);
   if (!field) return field.error();
   return contact::BodyShape(*std::move(field));
 }
 
 struct ShapeOf {
   contact::FieldCache* fields;
+  const base::Cancelled& cancelled;
 
   Result<contact::BodyShape> operator()(const groom::Body::Ellipsoid& ellipsoid) const {
     return contact::BodyShape(contact::Ellipsoid(ellipsoid.radii));
@@ -44,15 +46,16 @@ struct ShapeOf {
   }
   Result<contact::BodyShape> operator()(
       const std::shared_ptr<const groom::Body::Mesh>& mesh) const {
-    return MakeField(*mesh, fields);
+    return MakeField(*mesh, fields, cancelled);
   }
 };
 
 // The scalp as a body fixed to the head.
-Result<Bodies::Body> ScalpBody(const groom::Groom& groom, contact::FieldCache* fields) {
+Result<Bodies::Body> ScalpBody(const groom::Groom& groom, contact::FieldCache* fields,
+                               const base::Cancelled& cancelled) {
   const contact::Friction friction = FrictionOf(*groom.scalp_friction);
   if (const auto* mesh = std::get_if<groom::TriangleMesh>(&groom.scalp)) {
-    auto field = MakeField(*mesh, fields);
+    auto field = MakeField(*mesh, fields, cancelled);
     if (!field) return Within("scalp_mesh.", kScalp, field.error());
     return Bodies::Body{*std::move(field), friction, {}};
   }
@@ -83,11 +86,12 @@ std::vector<Bodies::Group> GroupsOf(const std::vector<Bodies::Body>& bodies) {
 
 }  // namespace
 
-Result<std::shared_ptr<Bodies>> MakeShapes(const groom::Groom& groom, contact::FieldCache* fields) {
+Result<std::shared_ptr<Bodies>> MakeShapes(const groom::Groom& groom, contact::FieldCache* fields,
+                                           const base::Cancelled& cancelled) {
   if (groom.bodies.empty() && !groom.scalp_friction) return std::shared_ptr<Bodies>();
   auto made = std::make_shared<Bodies>();
   if (groom.scalp_friction) {
-    auto scalp = ScalpBody(groom, fields);
+    auto scalp = ScalpBody(groom, fields, cancelled);
     if (!scalp) return scalp.error();
     if (auto valid = contact::Validate(scalp->shape); !valid) {
       return Within("header.ellipsoid.", kScalp, valid.error());
@@ -98,7 +102,7 @@ Result<std::shared_ptr<Bodies>> MakeShapes(const groom::Groom& groom, contact::F
     const groom::Body& body = groom.bodies[i];
     const std::string path = fmt::format("bodies[{}].{}.", i, kShapes[body.shape.index()]);
     const std::string whose = fmt::format("body \"{}\"", body.name);
-    auto shape = std::visit(ShapeOf{fields}, body.shape);
+    auto shape = std::visit(ShapeOf{fields, cancelled}, body.shape);
     if (!shape) return Within(path, whose, shape.error());
     if (auto valid = contact::Validate(*shape); !valid) return Within(path, whose, valid.error());
     made->bodies.push_back({*std::move(shape), FrictionOf(body.friction), body.pose,
@@ -117,12 +121,13 @@ Result<std::shared_ptr<Bodies>> MakeShapes(const groom::Groom& groom, contact::F
 
 Result<std::shared_ptr<const Bodies>> MakeBodies(const groom::Groom& groom,
                                                  contact::FieldCache* fields,
-                                                 exec::WorkerPool& pool) {
-  auto made = MakeShapes(groom, fields);
+                                                 exec::WorkerPool& pool,
+                                                 const base::Cancelled& cancelled) {
+  auto made = MakeShapes(groom, fields, cancelled);
   if (!made) return made.error();
   if (*made == nullptr && !HasWisps(groom)) return std::shared_ptr<const Bodies>();
   if (*made == nullptr) *made = std::make_shared<Bodies>();
-  Settle(groom, *made, pool);
+  if (auto settled = Settle(groom, *made, pool, cancelled); !settled) return settled.error();
   if (HasWisps(groom)) (*made)->wisps = MakeWisps(groom, **made, pool);
   return std::shared_ptr<const Bodies>(*std::move(made));
 }

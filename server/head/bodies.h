@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "base/cancelled.h"
 #include "base/result.h"
 #include "contact/batch_contact.h"
 #include "contact/field_cache.h"
@@ -60,14 +61,17 @@ inline constexpr size_t kMaxFieldBytes = size_t{1} << 30;
 ///
 /// @return null where hair meets nothing. INVALID_ARGUMENT naming `bodies[i].mesh.triangles` and
 ///   the like, or `scalp_mesh.`, for shapes that cannot be used (contact::Validate,
-///   MeshField::Build); RESOURCE_EXHAUSTED likewise, and above kMaxFieldBytes.
+///   MeshField::Build); RESOURCE_EXHAUSTED likewise, and above kMaxFieldBytes; kCancelled soon
+///   after `cancelled` says so.
 [[nodiscard]] Result<std::shared_ptr<Bodies>> MakeShapes(const groom::Groom& groom,
-                                                         contact::FieldCache* fields);
+                                                         contact::FieldCache* fields,
+                                                         const base::Cancelled& cancelled = {});
 
-/// The same for heads: hair is let settle, which takes a tenth of a second for 100 guides.
-[[nodiscard]] Result<std::shared_ptr<const Bodies>> MakeBodies(const groom::Groom& groom,
-                                                               contact::FieldCache* fields,
-                                                               exec::WorkerPool& pool);
+/// The same for heads: hair is let settle, which takes a tenth of a second for 100 guides, and
+/// stops between its steps once it is cancelled.
+[[nodiscard]] Result<std::shared_ptr<const Bodies>> MakeBodies(
+    const groom::Groom& groom, contact::FieldCache* fields, exec::WorkerPool& pool,
+    const base::Cancelled& cancelled = {});
 
 /// The distance field of a body that is a mesh; else null.
 [[nodiscard]] const contact::MeshField* FieldOf(const Bodies::Body& body);

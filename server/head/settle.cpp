@@ -76,12 +76,12 @@ double DragScale(const groom::Groom& groom) {
 
 }  // namespace
 
-void Settle(const groom::Groom& groom, const std::shared_ptr<Bodies>& bodies,
-            exec::WorkerPool& pool) {
+Result<void> Settle(const groom::Groom& groom, const std::shared_ptr<Bodies>& bodies,
+                    exec::WorkerPool& pool, const base::Cancelled& cancelled) {
   HeadState state = AtRest(groom, {});
   if (bodies->bodies.empty()) {
     bodies->settled = std::move(state.guides);
-    return;
+    return {};
   }
   StartContact(groom, bodies, &state);
   LiftDeepGuides(groom, &state);
@@ -89,6 +89,7 @@ void Settle(const groom::Groom& groom, const std::shared_ptr<Bodies>& bodies,
   air.air_drag_scale = DragScale(groom);
   const int steps = static_cast<int>(kTime / kLongestStep);
   for (int i = 0; i < steps; ++i) {
+    if (base::IsCancelled(cancelled)) return base::CancelledError();
     Advance(groom, {math::Pose{}, kLongestStep, 1}, air, &state, pool);
   }
   std::vector<double> coordinates = Coordinates(groom, state);
@@ -100,6 +101,7 @@ void Settle(const groom::Groom& groom, const std::shared_ptr<Bodies>& bodies,
   }
   bodies->settled = std::move(state.guides);
   bodies->settled_memory = std::move(state.contact.memory);
+  return {};
 }
 
 }  // namespace mane::head

@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "base/cancelled.h"
 #include "exec/worker_pool.h"
 #include "groom/groom.h"
 #include "head/bodies.h"
@@ -12,9 +13,11 @@ namespace mane::head {
 
 /// The shape in which hair of `groom` lies still among `bodies` on an upright head: its rest shape
 /// settles in thick air; where that leads through a body, hair falls on it from its natural shape.
-/// A function of the groom and the bodies alone. /// Sets Bodies::settled, standing still, and
+/// A function of the groom and the bodies alone. Sets Bodies::settled, standing still, and
 /// Bodies::settled_memory.
-void Settle(const groom::Groom& groom, const std::shared_ptr<Bodies>& bodies,
-            exec::WorkerPool& pool);
+///
+/// @return kCancelled within a step once `cancelled` says so.
+Result<void> Settle(const groom::Groom& groom, const std::shared_ptr<Bodies>& bodies,
+                    exec::WorkerPool& pool, const base::Cancelled& cancelled);
 
 }  // namespace mane::head

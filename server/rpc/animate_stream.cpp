@@ -112,11 +112,21 @@ Result<session::OpenedHead> AnimateStream::Open(const v1::OpenHead& open) try {
   if (!open.resume().empty()) return registry_.Resume(open.resume(), this);
   const auto options = ToHeadOptions(open);
   if (!options) return options.error();
-  const auto asset = grooms_.LoadAsset(open.groom(), "open.groom");
+  auto groom = grooms_.Load(open.groom(), "open.groom");
+  if (!groom) return groom.error();
+  // Before fields are made and hair settles for one who is not let in.
+  if (const auto ok = registry_.Admit(**groom, *options, open.request_id()); !ok) return ok.error();
+  const auto asset =
+      grooms_.MakeAsset(*std::move(groom), "open.groom", [this] { return Ending(); });
   if (!asset) return asset.error();
   return registry_.Open(*asset, *options, open.request_id(), this);
 } catch (const std::exception& fault) {
   return Error{ErrorCode::kInternal, fault.what(), ""};
+}
+
+bool AnimateStream::Ending() {
+  std::lock_guard lock(mutex_);
+  return status_.has_value();
 }
 
 void AnimateStream::FinishOpening(const Result<session::OpenedHead>& opened) {

@@ -48,6 +48,7 @@ class AnimateStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grp
   void StartOpening(const v1::OpenHead& open);
   bool MustMakeFields(const std::string& groom);
   Result<session::OpenedHead> Open(const v1::OpenHead& open);
+  [[nodiscard]] bool Ending();  // Nobody waits for the head any more.
   void FinishOpening(const Result<session::OpenedHead>& opened);
   [[nodiscard]] v1::AnimateResponse DescribeOpened(const session::OpenedHead& opened) const;
 

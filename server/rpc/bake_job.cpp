@@ -17,8 +17,6 @@ namespace {
 constexpr size_t kMaxPoses = 16'000;
 constexpr size_t kChunkBytes = 512 * 1024;
 constexpr size_t kMaxResultBytes = size_t{4} << 30;
-// Element-steps of one frame, half a second or so (session/admission.h).
-constexpr double kMaxFrameWork = 4e5;
 
 // float64 numbers of a packed field that must hold `count` x `width` of them.
 Result<std::vector<double>> Unpack(const std::string& bytes, size_t count, size_t width,
@@ -128,6 +126,7 @@ Result<void> BindBodies(const groom::Groom& groom, Bake* bake) {
 
 Result<void> AdmitBake(const groom::Groom& groom, const Bake& bake) {
   if (const auto ok = session::AdmitView(groom, bake.view, ""); !ok) return ok;
+  if (const auto ok = session::AdmitState(groom, "groom"); !ok) return ok;
   const size_t bytes = head::FrameSize(groom, bake.view) * bake.motion.size();
   if (bytes > kMaxResultBytes) {
     return Error{ErrorCode::kResourceExhausted,
@@ -138,14 +137,7 @@ Result<void> AdmitBake(const groom::Groom& groom, const Bake& bake) {
   }
   for (size_t i = 1; i < bake.motion.size(); ++i) {
     const head::Movement movement{{}, bake.motion[i].time - bake.motion[i - 1].time, bake.substeps};
-    const double work = session::StepWork(groom, head::StepCount(movement));
-    if (work > kMaxFrameWork) {
-      return Error{ErrorCode::kResourceExhausted,
-                   fmt::format("frame {} takes {} element-steps with substeps {}; at most {} are "
-                               "allowed: use fewer substeps, or poses closer together",
-                               i, work, bake.substeps, kMaxFrameWork),
-                   "substeps"};
-    }
+    if (auto ok = session::AdmitBakedFrame(groom, movement, static_cast<int>(i)); !ok) return ok;
   }
   return {};
 }
@@ -157,12 +149,15 @@ Result<void> RunBake(GroomLibrary& grooms, exec::WorkerPool& pool, jobs::JobCont
   }
   auto bake = ToBake(request);
   if (!bake) return bake.error();
-  const auto asset = grooms.LoadAsset(request.groom(), "groom");
-  if (!asset) return asset.error();
-  const groom::Groom& groom = *asset->groom;
+  const auto found = grooms.Load(request.groom(), "groom");
+  if (!found) return found.error();
+  const groom::Groom& groom = **found;
   // Again: it may have been made anew, and larger, since the bake was submitted.
   if (const auto ok = BindBodies(groom, &*bake); !ok) return ok;
   if (const auto ok = AdmitBake(groom, *bake); !ok) return ok;
+  const auto asset = grooms.MakeAsset(*found, "groom", [&] { return context.Cancelled(); });
+  if (context.Cancelled()) return jobs::JobContext::StoppedError();
+  if (!asset) return asset.error();
 
   head::HeadState state = head::AtRest(groom, bake->motion.front().pose);
   head::StartContact(groom, asset->bodies, &state);

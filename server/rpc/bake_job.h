@@ -30,8 +30,8 @@ Result<Bake> ToBake(const v1::BakeAnimationRequest& request);
 /// `motion.bodies[i].name` when it is none of the moving bodies of `groom`, or named twice.
 Result<void> BindBodies(const groom::Groom& groom, Bake* bake);
 
-/// kResourceExhausted when a frame of the bake is too much work, so that it could not be cancelled
-/// within a second, or too many bytes, or all frames together are.
+/// kResourceExhausted when a frame of the bake is too much work (session::kMaxFrameWork: it is
+/// cancelled between frames) or too many bytes, all frames together are, or what hair remembers.
 Result<void> AdmitBake(const groom::Groom& groom, const Bake& bake);
 
 /// Runs the bake in `context`'s spec, a serialised BakeAnimationRequest: the same frames as a

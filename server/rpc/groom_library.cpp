@@ -87,7 +87,8 @@ Result<groom::Parts> DecodeContent(const storage::GroomRecord& record,
 
 }  // namespace
 
-Result<StoredContact> GroomLibrary::PrepareContact(const groom::Parts& parts) {
+Result<StoredContact> GroomLibrary::PrepareContact(const groom::Parts& parts,
+                                                   const base::Cancelled& cancelled) {
   if (parts.bodies.empty() && !parts.scalp_friction) return StoredContact();
   const auto valid =
       groom::ValidateBodies(parts.bodies, parts.scalp_friction, parts.scalp, limits_);
@@ -96,7 +97,7 @@ Result<StoredContact> GroomLibrary::PrepareContact(const groom::Parts& parts) {
   groom.bodies = parts.bodies;
   groom.scalp_friction = parts.scalp_friction;
   if (groom.scalp_friction) groom.scalp = parts.scalp;
-  const auto bodies = bodies_.MakeShapes(groom);
+  const auto bodies = bodies_.MakeShapes(groom, cancelled);
   if (!bodies) return bodies.error();
   return DescribeContact(groom, bodies->get());
 }
@@ -124,8 +125,16 @@ Result<storage::GroomRecord> GroomLibrary::Create(Draft draft) {
   }
   record.contact = draft.contact.SerializeAsString();
   const auto* rest = reinterpret_cast<const char*>(g.rest.data());
-  return store_.Put(record, {EncodeContent(g, draft.import_report),
-                             std::string(rest, g.rest.size() * sizeof(double))});
+  auto stored = store_.Put(record, {EncodeContent(g, draft.import_report),
+                                    std::string(rest, g.rest.size() * sizeof(double))});
+  if (!stored && stored.error().code == ErrorCode::kAlreadyExists) return Taken(record.id);
+  return stored;
+}
+
+Error GroomLibrary::Taken(const std::string& id) {
+  return {ErrorCode::kAlreadyExists,
+          fmt::format("header.groom_id is `{}`, and `grooms/{}` already exists", id, id),
+          "header.groom_id"};
 }
 
 Result<storage::GroomRecord> GroomLibrary::Find(const std::string& name, const std::string& field) {
@@ -178,12 +187,19 @@ Result<std::shared_ptr<const groom::Groom>> GroomLibrary::Load(const std::string
   return groom;
 }
 
-Result<session::Asset> GroomLibrary::LoadAsset(const std::string& name, const std::string& field) {
+Result<session::Asset> GroomLibrary::LoadAsset(const std::string& name, const std::string& field,
+                                               const base::Cancelled& cancelled) {
   auto groom = Load(name, field);
   if (!groom) return groom.error();
-  auto bodies = bodies_.FindOrMake(*groom);
+  return MakeAsset(*std::move(groom), field, cancelled);
+}
+
+Result<session::Asset> GroomLibrary::MakeAsset(std::shared_ptr<const groom::Groom> groom,
+                                               const std::string& field,
+                                               const base::Cancelled& cancelled) {
+  auto bodies = bodies_.FindOrMake(groom, cancelled);
   if (!bodies) return Error{bodies.error().code, bodies.error().message, field};
-  return session::Asset{*std::move(groom), *std::move(bodies)};
+  return session::Asset{std::move(groom), *std::move(bodies)};
 }
 
 bool GroomLibrary::MustMakeFields(const std::string& name) {

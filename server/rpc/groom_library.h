@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "base/cancelled.h"
 #include "base/result.h"
 #include "exec/worker_pool.h"
 #include "groom/assemble.h"
@@ -45,18 +46,29 @@ class GroomLibrary {
     StoredContact contact;                          ///< PrepareContact's of its parts.
   };
   /// Makes what hair of `parts` meets and tells of it. Comes before guides are made and rest shapes
-  /// solved, so that a mesh that cannot be used is refused at once. Errors name the field.
-  Result<StoredContact> PrepareContact(const groom::Parts& parts);
-  /// Solves the rest shape and stores both; on disk when it returns.
+  /// solved, so that a mesh that cannot be used is refused at once. Errors name the field;
+  /// kCancelled soon after `cancelled` says so.
+  Result<StoredContact> PrepareContact(const groom::Parts& parts,
+                                       const base::Cancelled& cancelled = {});
+  /// Solves the rest shape and stores both; on disk when it returns. Taken() where there is a groom
+  /// of that id.
   Result<storage::GroomRecord> Create(Draft draft);
+
+  /// ALREADY_EXISTS naming `header.groom_id`.
+  [[nodiscard]] static Error Taken(const std::string& id);
 
   /// The groom called `name`; errors name `field`. kNotFound if there is none.
   Result<std::shared_ptr<const groom::Groom>> Load(const std::string& name,
                                                    const std::string& field);
 
   /// The same with what its hair meets, for heads. Takes seconds where distance fields of meshes
-  /// must be made (MustMakeFields). kResourceExhausted when these in use would be too large.
-  Result<session::Asset> LoadAsset(const std::string& name, const std::string& field);
+  /// must be made (MustMakeFields). kResourceExhausted when these in use would be too large;
+  /// kCancelled soon after `cancelled` says so.
+  Result<session::Asset> LoadAsset(const std::string& name, const std::string& field,
+                                   const base::Cancelled& cancelled = {});
+  /// The same for a `groom` that Load gave.
+  Result<session::Asset> MakeAsset(std::shared_ptr<const groom::Groom> groom,
+                                   const std::string& field, const base::Cancelled& cancelled);
 
   /// Whether LoadAsset would take that long; makers() is the pool to wait on. False for a groom
   /// that is not there.

@@ -131,7 +131,13 @@ TEST_F(GroomServiceTest, AnExportUploadsToAnEqualGroomAndSurvivesARestart) {
   ASSERT_TRUE(server_.Upload(messages, &again).ok());  // The request_id is remembered.
   EXPECT_EQ(again.name(), first.name());
   messages[0].mutable_header()->set_request_id("request-2");
-  EXPECT_EQ(server_.Upload(messages, &again).error_code(), grpc::StatusCode::ALREADY_EXISTS);
+  v1::Body* open = messages.emplace_back().mutable_body();  // Bounds nothing; comes to be looked at
+  open->set_name("open");                                   // after the name only.
+  open->mutable_mesh()->set_vertices(std::string(36, '\0'));
+  open->mutable_mesh()->set_triangles(std::string(12, '\0'));
+  const grpc::Status taken = server_.Upload(messages, &again);
+  EXPECT_EQ(taken.error_code(), grpc::StatusCode::ALREADY_EXISTS) << taken.error_message();
+  EXPECT_EQ(NamedField(taken), "header.groom_id");
   EXPECT_EQ(GroomCount(), 2u);
 }
 
@@ -268,8 +274,11 @@ TEST_F(BakeTest, BadBakesAreNamedBeforeAnythingIsQueued) {
   Submit(request, grpc::StatusCode::INVALID_ARGUMENT);
   EXPECT_EQ(field_, "motion.times_s[1]");
   std::vector<v1::Guide> guides(60);
-  for (size_t i = 0; i < guides.size(); ++i) guides[i] = GoodGuide(128);
-  v1::Groom large;  // 7680 elements.
+  for (v1::Guide& guide : guides) {
+    guide = GoodGuide(128);
+    guide.set_wisp_radius_m(0.01);
+  }
+  v1::Groom large;  // 7680 elements whose wisps meet.
   ASSERT_TRUE(server_.Upload(UploadOf(guides), &large).ok());
   request = Request(large.name(), 3);
   request.set_substeps(64);

@@ -152,6 +152,10 @@ Result<storage::GroomRecord> GroomUpload::Finish(const std::atomic<bool>& cancel
     if (!earlier) return earlier.error();
     if (earlier->has_value()) return **earlier;
   }
+  // Again when it is stored; before all that takes long.
+  if (!header_.groom_id().empty() && library_.store().Get(header_.groom_id())) {
+    return GroomLibrary::Taken(header_.groom_id());
+  }
   GroomLibrary::Draft draft{header_.groom_id(), header_.request_id(), {}, {}, {}};
   draft.parts.display_name = header_.display_name();
   if (header_.has_ellipsoid()) {
@@ -161,7 +165,7 @@ Result<storage::GroomRecord> GroomUpload::Finish(const std::atomic<bool>& cancel
   }
   draft.parts.bodies = bodies_.Take();
   draft.parts.scalp_friction = scalp_friction_;
-  auto contact = library_.PrepareContact(draft.parts);
+  auto contact = library_.PrepareContact(draft.parts, [&cancelled] { return cancelled.load(); });
   if (!contact) return contact.error();
   draft.contact = *std::move(contact);
   if (header_.has_generate() && header_.has_import_options()) {

@@ -21,7 +21,7 @@ class GroomUpload {
   /// kResourceExhausted names the field.
   Result<bool> Add(const v1::CreateGroomRequest& request);
   /// All messages are in: generates or imports guides if asked to, and creates the groom.
-  /// kCancelled soon after `cancelled` is set while strands are imported.
+  /// kCancelled soon after `cancelled` is set while distance fields are made or strands imported.
   Result<storage::GroomRecord> Finish(const std::atomic<bool>& cancelled);
 
  private:

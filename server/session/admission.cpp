@@ -2,15 +2,15 @@
 
 #include <algorithm>
 
+#include "head/memory.h"
 #include "head/wisps.h"
 
 namespace mane::session {
 namespace {
 
-// Time steps of a frame; in lockstep, where poses decide, of the shortest one.
-int StepsOfFrame(const HeadOptions& options) {
-  const double duration = options.pacing == Pacing::kRealtime ? 1 / options.rate_hz : 0;
-  return head::StepCount({{}, duration, options.substeps});
+// A frame of a head; in lockstep, where poses decide, the shortest one.
+head::Movement ShortestOf(const HeadOptions& options) {
+  return {{}, options.pacing == Pacing::kRealtime ? 1 / options.rate_hz : 0, options.substeps};
 }
 
 // Points that a frame of `view` holds.
@@ -19,12 +19,65 @@ double PointCount(const groom::Groom& groom, const head::View& view) {
   return static_cast<double>(groom.guide_count()) * view.points_per_guide;
 }
 
+// Says what a time step of `groom` is made of, as what is too much is to be told.
+std::string WhatSteps(const groom::Groom& groom) {
+  std::string what = fmt::format("{} elements", groom.stepped_elements());
+  if (!groom.has_contact) return what;
+  const head::BodyCount count = head::CountBodies(groom);
+  if (count.bodies > 0) {
+    what += fmt::format(" that meet {} bodies, of which {} move on their own or as one",
+                        count.bodies, count.groups);
+  }
+  if (head::HasWisps(groom))
+    what += fmt::format(", of {} guides whose wisps meet", groom.guide_count());
+  return what;
+}
+
+// What is less work for a frame of `groom`.
+std::string LessWork(const groom::Groom& groom, const head::Movement& movement) {
+  if (StepWork(groom, movement.substeps) > kMaxFrameWork && movement.substeps > 1) {
+    return "use fewer substeps";
+  }
+  std::string less = "use fewer guides or elements";
+  if (groom.has_contact && head::CountBodies(groom).bodies > 1) less += ", fewer bodies";
+  if (groom.has_contact && head::HasWisps(groom)) less += ", no wisps";
+  return less;
+}
+
+// The error for a frame of too much work, `what` of which takes the steps of `movement`.
+Error TooMuchWork(const groom::Groom& groom, const head::Movement& movement,
+                  const std::string& what, const std::string& instead, const std::string& field) {
+  const int steps = head::StepCount(movement);
+  return {
+      ErrorCode::kResourceExhausted,
+      fmt::format("{} takes {} time steps of {}, {:.0f} element-steps; at most {:.0f} are "
+                  "allowed in one frame: {}",
+                  what, steps, WhatSteps(groom), StepWork(groom, steps), kMaxFrameWork, instead),
+      field};
+}
+
 }  // namespace
 
 double StepWork(const groom::Groom& groom, int steps) {
-  double each = groom.has_contact ? kContactSteps : 1;
-  if (groom.has_contact && head::HasWisps(groom)) each += kWispSteps * groom.guide_count();
+  double each = 1;
+  if (groom.has_contact) {
+    const head::BodyCount count = head::CountBodies(groom);
+    each = kContactSteps + kGroupSteps * std::max(0, count.groups - 1) +
+           kBodySteps * (count.bodies - count.groups);
+    if (head::HasWisps(groom)) each += kWispSteps * groom.guide_count();
+  }
   return static_cast<double>(groom.stepped_elements()) * steps * each;
+}
+
+Result<void> AdmitState(const groom::Groom& groom, const std::string& field) {
+  const size_t bytes = head::StateBytes(groom);
+  if (bytes <= kMaxStateBytes) return {};
+  return Error{
+      ErrorCode::kResourceExhausted,
+      fmt::format("the hair of a head of this groom, {}, remembers {} bytes; at most {} are "
+                  "allowed: use fewer moving bodies, guides or elements",
+                  WhatSteps(groom), bytes, kMaxStateBytes),
+      field};
 }
 
 Result<void> AdmitView(const groom::Groom& groom, const head::View& view,
@@ -40,14 +93,12 @@ Result<void> AdmitView(const groom::Groom& groom, const head::View& view,
 
 Result<void> AdmitHead(const groom::Groom& groom, const HeadOptions& options) {
   if (const auto ok = AdmitView(groom, options.view, "open."); !ok) return ok;
-  const int steps = StepsOfFrame(options);
-  const double work = StepWork(groom, steps);
-  if (work <= kMaxFrameWork) return {};
-  return Error{ErrorCode::kResourceExhausted,
-               fmt::format("{} elements in {} time steps, with open.substeps {}, are {} "
-                           "element-steps a frame; at most {} are allowed",
-                           groom.stepped_elements(), steps, options.substeps, work, kMaxFrameWork),
-               "open.substeps"};
+  if (const auto ok = AdmitState(groom, "open.groom"); !ok) return ok;
+  const head::Movement shortest = ShortestOf(options);
+  if (StepWork(groom, head::StepCount(shortest)) <= kMaxFrameWork) return {};
+  return TooMuchWork(
+      groom, shortest, fmt::format("a frame with open.substeps {}", options.substeps),
+      LessWork(groom, shortest), options.substeps > 1 ? "open.substeps" : "open.groom");
 }
 
 int FrameWindow(const groom::Groom& groom, const head::View& view, int most) {
@@ -56,19 +107,30 @@ int FrameWindow(const groom::Groom& groom, const head::View& view, int most) {
 }
 
 Result<void> AdmitFrame(const groom::Groom& groom, const head::Movement& movement) {
-  const double work = StepWork(groom, head::StepCount(movement));
-  if (work <= kMaxFrameWork) return {};
-  return Error{ErrorCode::kResourceExhausted,
-               fmt::format("pose.time_s is {} s after the last one, {} element-steps; at most {} "
-                           "are allowed in one frame: send poses closer together",
-                           movement.duration, work, kMaxFrameWork),
-               "pose.time_s"};
+  if (StepWork(groom, head::StepCount(movement)) <= kMaxFrameWork) return {};
+  return TooMuchWork(groom, movement,
+                     fmt::format("pose.time_s, {:.6g} s after the last one,", movement.duration),
+                     "send poses closer together", "pose.time_s");
+}
+
+Result<void> AdmitBakedFrame(const groom::Groom& groom, const head::Movement& movement, int frame) {
+  if (StepWork(groom, head::StepCount(movement)) <= kMaxFrameWork) return {};
+  const std::string what = fmt::format("frame {}, {:.6g} s after the last one, with substeps {}",
+                                       frame, movement.duration, movement.substeps);
+  if (StepWork(groom, 1) > kMaxFrameWork) {
+    return TooMuchWork(groom, movement, what, LessWork(groom, {{}, movement.duration, 1}), "groom");
+  }
+  if (StepWork(groom, movement.substeps) > kMaxFrameWork) {
+    return TooMuchWork(groom, movement, what, LessWork(groom, movement), "substeps");
+  }
+  return TooMuchWork(groom, movement, what, "put poses closer together",
+                     fmt::format("motion.times_s[{}]", frame));
 }
 
 double RealtimeLoad(const groom::Groom& groom, const HeadOptions& options) {
   if (options.pacing != Pacing::kRealtime) return 0;
   const int diagnostics = options.diagnostics ? kDiagnosticsSteps : 0;
-  const double frame = StepWork(groom, StepsOfFrame(options)) + kFrameSteps +
+  const double frame = StepWork(groom, head::StepCount(ShortestOf(options))) + kFrameSteps +
                        static_cast<double>(groom.stepped_elements()) * diagnostics +
                        kPointSteps * PointCount(groom, options.view);
   return frame * options.rate_hz;

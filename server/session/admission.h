@@ -13,9 +13,13 @@ namespace mane::session {
 /// what cannot; the notices of late frames tell the truth.
 
 /// Element-steps that a time step of one element counts as where hair meets bodies or the scalp:
-/// distances, forces and friction at several points of it; of wavy hair, which has most
-/// (`tests/bench/run contact`).
-inline constexpr int kContactSteps = 7;
+/// distances, forces and friction at several points of it, of wavy hair, which has most
+/// (`tests/bench/run contact`), and some finer steps where it turns fast (head::kFinest).
+inline constexpr int kContactSteps = 8;
+/// What it counts as on top for every group of bodies that moves on its own beyond the first, and
+/// for every body beyond the first of a group: measured with up to 62 capsules near all hair.
+inline constexpr double kGroupSteps = 0.5;
+inline constexpr double kBodySteps = 0.15;
 /// What it counts as on top for every guide of a groom whose wisps meet (likewise).
 inline constexpr double kWispSteps = 0.7;
 /// Element-steps that the diagnostics of one element count as, as measured against AVX-512's
@@ -26,8 +30,11 @@ inline constexpr double kFrameSteps = 2000;
 /// Element-steps that one point of a frame counts as, or one element in generalized coordinates.
 inline constexpr double kPointSteps = 0.5;
 
-/// Element-steps of one lockstep frame: seconds of work at most.
+/// Element-steps of one frame in lockstep or of a bake: half a second of work with vector kernels,
+/// seconds at most.
 inline constexpr double kMaxFrameWork = 1e7;
+/// Bytes of what one head's hair remembers (head::StateBytes).
+inline constexpr size_t kMaxStateBytes = size_t{512} << 20;
 /// Bytes of one frame.
 inline constexpr size_t kMaxFrameBytes = 16 << 20;
 /// Bytes of frames that one head may have waiting or under way.
@@ -40,16 +47,23 @@ inline constexpr size_t kMaxBacklogBytes = 32 << 20;
 /// `field`'s points_per_guide, `field` being empty or ending in a dot.
 Result<void> AdmitView(const groom::Groom& groom, const head::View& view, const std::string& field);
 
-/// kResourceExhausted when a frame of `options` is too large or even its shortest one too much
-/// work.
+/// kResourceExhausted naming `field` when the hair of a head remembers more than kMaxStateBytes.
+Result<void> AdmitState(const groom::Groom& groom, const std::string& field);
+
+/// kResourceExhausted when a head remembers too much, a frame of `options` is too large, or even
+/// its shortest one too much work.
 Result<void> AdmitHead(const groom::Groom& groom, const HeadOptions& options);
 
 /// Frames that a head may have waiting or under way: `most`, or the fewer that kMaxBacklogBytes
 /// hold, but at least one.
 [[nodiscard]] int FrameWindow(const groom::Groom& groom, const head::View& view, int most);
 
-/// kResourceExhausted when `movement` is too much work for one frame.
+/// kResourceExhausted naming `pose.time_s` when `movement` is too much work for one frame.
 Result<void> AdmitFrame(const groom::Groom& groom, const head::Movement& movement);
+
+/// The same for the movement that leads to frame `frame` of a bake: names `substeps` where fewer
+/// would do, `motion.times_s[frame]` where shorter ways from pose to pose would, else `groom`.
+Result<void> AdmitBakedFrame(const groom::Groom& groom, const head::Movement& movement, int frame);
 
 /// Element-steps a second of a real-time head, its frames included; 0 in lockstep.
 [[nodiscard]] double RealtimeLoad(const groom::Groom& groom, const HeadOptions& options);

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "head/memory.h"
+#include "session/body_library.h"
 #include "session/test_heads.h"
 
 namespace mane::session {
@@ -82,16 +84,102 @@ TEST_F(AdmissionTest, AWoundElementCountsTwice) {
   EXPECT_DOUBLE_EQ(RealtimeLoad(*wound, options), 60 * (2 * 48 + 2000 + 12 * 16 / 2));
 }
 
-TEST_F(AdmissionTest, AnElementThatMeetsBodiesCountsAsSevenAndOfWispsByTheirNumber) {
+TEST_F(AdmissionTest, WhatAnElementMeetsCountsByBodiesGroupsAndWisps) {
   const auto groom = SampleGroomWithBodies(12, 4);  // Plain and wound guides: 60 element-steps.
+  const int elements = groom->stepped_elements();
   HeadOptions options;
-  const double work = 7.0 * groom->stepped_elements();
+  const double work = (kContactSteps + 2 * kGroupSteps) * elements;  // Two hands and a shoulder.
   EXPECT_DOUBLE_EQ(RealtimeLoad(*groom, options), 60 * (work + 2000 + 12 * 16 / 2));
   EXPECT_DOUBLE_EQ(StepWork(*groom, 3), 3 * work);
   EXPECT_DOUBLE_EQ(StepWork(*groom_, 3), 3 * 48);
   groom::Groom wisps = *groom;
   wisps.guides[3].wisp_radius = 0.005;
-  EXPECT_DOUBLE_EQ(StepWork(wisps, 1), (7 + 0.7 * 12) * groom->stepped_elements());
+  EXPECT_DOUBLE_EQ(StepWork(wisps, 1), work + kWispSteps * 12 * elements);
+  groom::Groom fixed = *groom;
+  for (groom::Body& body : fixed.bodies) body.moving = false;
+  EXPECT_DOUBLE_EQ(StepWork(fixed, 1), (kContactSteps + 2 * kBodySteps) * elements);
+  fixed.scalp_friction = groom::Friction{};
+  EXPECT_DOUBLE_EQ(StepWork(fixed, 1), (kContactSteps + 3 * kBodySteps) * elements);
+  fixed.bodies.clear();
+  EXPECT_DOUBLE_EQ(StepWork(fixed, 1), kContactSteps * elements);
+}
+
+// As many bodies that move as a groom may have.
+groom::Groom Crowd(const groom::Groom& groom) {
+  groom::Groom crowd = groom;
+  crowd.has_contact = true;
+  for (int i = 0; i < 64; ++i) {
+    crowd.bodies.push_back(
+        {fmt::format("b{}", i), groom::Body::Ellipsoid{{1, 1, 1}}, {}, true, {}});
+  }
+  return crowd;
+}
+
+TEST_F(AdmissionTest, HeadsThatRememberTooMuchAreRefused) {
+  groom::Parts parts;
+  const auto some = head::SampleGroom(100, 2, head::SampleHair::kPlain);
+  for (int i = 0; i < 200; ++i) {
+    parts.guides.insert(parts.guides.end(), some->guides.begin(), some->guides.end());
+  }
+  const auto many = *groom::Assemble(std::move(parts), {}, &pool_);
+  EXPECT_TRUE(AdmitState(*many, "groom"));
+  EXPECT_TRUE(AdmitState(Crowd(*groom_), "groom"));
+  const auto alone = AdmitState(Crowd(*many), "open.groom");
+  ASSERT_FALSE(alone);
+  EXPECT_EQ(alone.error().code, ErrorCode::kResourceExhausted);
+  EXPECT_EQ(alone.error().field, "open.groom");
+
+  // What a head is counted as is what it takes.
+  const auto groom = SampleGroomWithBodies(40, 6);
+  BodyLibrary library({});
+  head::HeadState state = head::AtRest(*groom, {});
+  head::StartContact(*groom, *library.FindOrMake(groom), &state);
+  const size_t bytes = (state.guides.size() + state.contact.memory.size()) * sizeof state.guides[0];
+  EXPECT_EQ(head::StateBytes(*groom), bytes);
+
+  Registry registry({.max_state_bytes = 2 * bytes}, pool_, pool_);
+  TestStream a, b, c;
+  HeadOptions options;
+  options.pacing = Pacing::kLockstep;
+  const Asset asset{groom, *library.FindOrMake(groom)};
+  const auto first = registry.Open(asset, options, "", &a);
+  ASSERT_TRUE(first);
+  ASSERT_TRUE(registry.Open(asset, options, "twice", &b));
+  const auto refused = registry.Open(asset, options, "", &c);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kResourceExhausted);
+  EXPECT_EQ(refused.error().field, "open.groom");
+  EXPECT_FALSE(registry.Admit(*groom, options, ""));
+  EXPECT_TRUE(registry.Admit(*groom, options, "twice"));  // In the place of the second.
+  EXPECT_EQ(registry.head_count(), 2);
+  registry.Close(first->head, &a);
+  EXPECT_TRUE(registry.Admit(*groom, options, ""));
+}
+
+TEST_F(AdmissionTest, WhatIsTooMuchWorkIsToldWithWhatHelps) {
+  groom::Groom crowd = Crowd(*head::SampleGroom(2000, 6, head::SampleHair::kPlain));
+  crowd.guides[0].wisp_radius = 0.01;
+  ASSERT_GT(StepWork(crowd, 1), kMaxFrameWork);
+  const auto tells = [](const Result<void>& refused, const std::string& field,
+                        const std::string& text) {
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::kResourceExhausted);
+    EXPECT_EQ(refused.error().field, field);
+    EXPECT_NE(refused.error().message.find(text), std::string::npos) << refused.error().message;
+    EXPECT_EQ(refused.error().message.find("e+"), std::string::npos) << refused.error().message;
+  };
+  HeadOptions options;
+  options.pacing = Pacing::kLockstep;
+  tells(AdmitHead(crowd, options), "open.groom", "64 bodies");
+  tells(AdmitHead(crowd, options), "open.groom", "fewer bodies");
+  options.substeps = 1'000'000;
+  tells(AdmitHead(*groom_, options), "open.substeps", "use fewer substeps");
+  tells(AdmitHead(*groom_, options), "open.substeps", "48000000 element-steps");
+  EXPECT_TRUE(AdmitBakedFrame(*groom_, {{}, 1 / 60.0, 64}, 7));
+  tells(AdmitBakedFrame(crowd, {{}, 1 / 60.0, 1}, 7), "groom", "fewer bodies");
+  tells(AdmitBakedFrame(*groom_, {{}, 1 / 60.0, 1'000'000}, 7), "substeps", "use fewer substeps");
+  tells(AdmitBakedFrame(*groom_, {{}, 5000, 1}, 7), "motion.times_s[7]", "poses closer together");
+  tells(AdmitFrame(*groom_, {{}, 5000, 1}), "pose.time_s", "closer together");
 }
 
 TEST_F(AdmissionTest, EightHeadsOfAHundredGuidesFitWithAmpleRoom) {

@@ -5,33 +5,53 @@
 #include <vector>
 
 namespace mane::session {
+namespace {
+
+size_t SettledBytes(const head::Bodies& bodies) {
+  return (bodies.settled.size() + bodies.settled_memory.size()) * sizeof(bodies.settled[0]);
+}
+
+}  // namespace
 
 bool BodyLibrary::Missing(const GroomPtr& groom) {
   std::lock_guard lock(mutex_);
   return groom->has_contact && FindLocked(groom) == nullptr;
 }
 
-Result<BodyLibrary::BodiesPtr> BodyLibrary::FindOrMake(const GroomPtr& groom) {
+Result<BodyLibrary::BodiesPtr> BodyLibrary::FindOrMake(const GroomPtr& groom,
+                                                       const base::Cancelled& cancelled) {
   if (!groom->has_contact) return BodiesPtr();
+  std::shared_ptr<Making> making;
   {
     std::lock_guard lock(mutex_);
     if (BodiesPtr found = FindLocked(groom)) return found;
+    std::erase_if(makings_, [](const auto& item) { return item.second.expired(); });
+    std::weak_ptr<Making>& known = makings_[groom];
+    making = known.lock();
+    if (making == nullptr) known = making = std::make_shared<Making>();
   }
-  auto made = head::MakeBodies(*groom, &fields_, pool_);
-  if (!made) return made;
+  return making->Get(cancelled, [&](const base::Cancelled& unwanted) -> Result<BodiesPtr> {
+    auto made = head::MakeBodies(*groom, &fields_, pool_, unwanted);
+    if (!made) return made;
+    return Add(groom, *made);
+  });
+}
+
+Result<BodyLibrary::BodiesPtr> BodyLibrary::Add(const GroomPtr& groom, const BodiesPtr& made) {
   std::lock_guard lock(mutex_);
   if (BodiesPtr found = FindLocked(groom)) return found;  // Another one was faster.
   std::erase_if(bodies_, [](const auto& item) { return item.first.expired(); });
-  for (size_t bytes; (bytes = BytesLocked(*made)) > options_.max_used_bytes;) {
+  for (size_t bytes; (bytes = BytesLocked(made)) > options_.max_used_bytes;) {
     if (DropOneLocked()) continue;
-    return Error{ErrorCode::kResourceExhausted,
-                 fmt::format("with the meshes that this groom's hair meets, distance fields in use "
-                             "would take {} bytes; the server has {}: try again when other heads "
-                             "are closed, or another server",
-                             bytes, options_.max_used_bytes),
-                 ""};
+    return Error{
+        ErrorCode::kResourceExhausted,
+        fmt::format("with what this groom's hair meets and remembers, distance fields and "
+                    "settled hair in use would take {} bytes; the server has {}: try again "
+                    "when other heads are closed, or another server",
+                    bytes, options_.max_used_bytes),
+        ""};
   }
-  bodies_[groom] = {*made, ++clock_};
+  bodies_[groom] = {made, ++clock_};
   return made;
 }
 
@@ -44,10 +64,12 @@ BodyLibrary::BodiesPtr BodyLibrary::FindLocked(const GroomPtr& groom) {
 
 size_t BodyLibrary::BytesLocked(const BodiesPtr& more) const {
   std::vector<head::Bodies::Body> all = more->bodies;  // Shares the fields.
+  size_t settled = SettledBytes(*more);
   for (const auto& [groom, entry] : bodies_) {
     all.insert(all.end(), entry.bodies->bodies.begin(), entry.bodies->bodies.end());
+    settled += SettledBytes(*entry.bodies);
   }
-  return head::FieldBytes(all);
+  return head::FieldBytes(all) + settled;
 }
 
 bool BodyLibrary::DropOneLocked() {

@@ -5,6 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <thread>
+
+#include "head/memory.h"
 #include "session/test_heads.h"
 
 namespace mane::session {
@@ -68,6 +72,49 @@ TEST(BodyLibraryTest, FieldsInUseAreLimited) {
   held = nullptr;  // Its heads are closed.
   EXPECT_TRUE(library.FindOrMake(large));
   EXPECT_TRUE(library.Missing(small));
+}
+
+TEST(BodyLibraryTest, SettledHairIsCounted) {
+  const auto groom = SampleGroomWithBodies(40, 6), other = SampleGroomWithBodies(40, 6);
+  BodyLibraryOptions options;
+  options.max_used_bytes = 3 * head::StateBytes(*groom) / 2;  // No fields: all of it hair.
+  BodyLibrary library(options);
+  auto held = *library.FindOrMake(groom);
+  ASSERT_NE(held, nullptr);
+  const auto refused = library.FindOrMake(other);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kResourceExhausted);
+  held = nullptr;
+  EXPECT_TRUE(library.FindOrMake(other));
+}
+
+TEST(BodyLibraryTest, WhatNobodyWaitsForIsNotMade) {
+  BodyLibrary library({});
+  const auto groom = SampleGroomWithBodies(1000, 20);  // Settles in seconds.
+  int asked = 0;
+  const auto stopped = library.FindOrMake(groom, [&] { return ++asked > 2; });
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().code, ErrorCode::kCancelled);
+  EXPECT_LE(asked, 4);  // Each step of many asks.
+  EXPECT_TRUE(library.Missing(groom));
+}
+
+TEST(BodyLibraryTest, WhoAskAtOnceShareWhatIsMade) {
+  BodyLibrary library({});
+  const auto groom = SampleGroomWithBodies(100, 8);
+  BodyLibrary::BodiesPtr made[3];
+  std::atomic<int> asked = 0;
+  for (auto& bodies : made) {
+    library.pool().Post([&] {
+      ++asked;
+      while (asked < 3) std::this_thread::yield();  // They are made side by side.
+      bodies = *library.FindOrMake(groom);
+    });
+  }
+  library.pool().WaitIdle();
+  EXPECT_NE(made[0], nullptr);
+  EXPECT_EQ(made[1], made[0]);
+  EXPECT_EQ(made[2], made[0]);
 }
 
 TEST(BodyLibraryTest, BadMeshesAreNamed) {

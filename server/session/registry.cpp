@@ -9,6 +9,7 @@
 
 #include "base/check.h"
 #include "base/clock.h"
+#include "head/memory.h"
 #include "session/admission.h"
 
 namespace mane::session {
@@ -43,6 +44,7 @@ Registry::~Registry() {
 }
 
 Result<Registry::Entries::iterator> Registry::AdmitLocked(const groom::Groom& groom,
+                                                          size_t state_bytes,
                                                           const HeadOptions& options,
                                                           const std::string& request_id) {
   if (!admitting_) return Error{ErrorCode::kUnavailable, "the server is stopping", ""};
@@ -61,10 +63,21 @@ Result<Registry::Entries::iterator> Registry::AdmitLocked(const groom::Groom& gr
   }
   const double own = RealtimeLoad(groom, options);
   double load = own;
+  size_t bytes = state_bytes;
   for (auto item = entries_.begin(); item != entries_.end(); ++item) {
     // Detached ones too: Resume asks no more.
     const HeadSession& other = *item->second.head;
-    if (item != leaving) load += RealtimeLoad(other.groom(), other.options());
+    if (item == leaving) continue;
+    load += RealtimeLoad(other.groom(), other.options());
+    bytes += item->second.state_bytes;
+  }
+  if (bytes > options_.max_state_bytes) {
+    return Error{ErrorCode::kResourceExhausted,
+                 fmt::format("with this head the hair of all heads would take {} bytes; the server "
+                             "has {}: try again when other heads are closed, use a groom of fewer "
+                             "moving bodies, guides or elements, or another server",
+                             bytes, options_.max_state_bytes),
+                 "open.groom"};
   }
   if (own > 0 && load > options_.realtime_capacity) {
     return Error{ErrorCode::kResourceExhausted,
@@ -77,16 +90,22 @@ Result<Registry::Entries::iterator> Registry::AdmitLocked(const groom::Groom& gr
   return leaving;
 }
 
+Result<void> Registry::Admit(const groom::Groom& groom, const HeadOptions& options,
+                             const std::string& request_id) {
+  if (auto ok = AdmitHead(groom, options); !ok) return ok;
+  const size_t state_bytes = head::StateBytes(groom);
+  std::lock_guard lock(mutex_);
+  if (const auto ok = AdmitLocked(groom, state_bytes, options, request_id); !ok) return ok.error();
+  return {};
+}
+
 Result<OpenedHead> Registry::Open(const Asset& asset, const HeadOptions& options,
                                   const std::string& request_id, FrameSink* sink) {
   const groom::Groom& groom = *asset.groom;
-  if (const auto ok = AdmitHead(groom, options); !ok) return ok.error();
-  {
-    // Before the head is built, which takes time and memory, and, as others come and go meanwhile,
-    // once more below.
-    std::lock_guard lock(mutex_);
-    if (const auto ok = AdmitLocked(groom, options, request_id); !ok) return ok.error();
-  }
+  // Before the head is built, which takes time and memory, and, as others come and go meanwhile,
+  // once more below.
+  if (const auto ok = Admit(groom, options, request_id); !ok) return ok.error();
+  const size_t state_bytes = head::StateBytes(groom);
   const uint64_t id = next_id_++;
   exec::WorkerPool& pool = options.pacing == Pacing::kRealtime ? realtime_ : lockstep_;
   const OpenedHead opened{
@@ -96,14 +115,14 @@ Result<OpenedHead> Registry::Open(const Asset& asset, const HeadOptions& options
   std::shared_ptr<HeadSession> replaced;
   {
     std::lock_guard lock(mutex_);
-    const auto leaving = AdmitLocked(groom, options, request_id);
+    const auto leaving = AdmitLocked(groom, state_bytes, options, request_id);
     if (!leaving) return leaving.error();
     if (*leaving != entries_.end()) {
       replaced = std::move((*leaving)->second.head);
       Erase(*leaving);
     }
     Entry& entry = entries_[id];
-    entry = {opened.head, opened.resume_token, request_id, sink, 0};
+    entry = {opened.head, opened.resume_token, request_id, sink, 0, state_bytes};
     Schedule(id, entry);
   }
   opened.head->Attach(sink);

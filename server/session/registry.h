@@ -24,6 +24,8 @@ struct RegistryOptions {
   /// vector kernels: the costs are estimates, and heads that fall due at once should not make each
   /// other late.
   double realtime_capacity = 1e7;
+  /// What all heads, waiting ones included, may remember of their hair together (head::StateBytes).
+  size_t max_state_bytes = size_t{4} << 30;
 };
 
 /// A head and the secret with which a broken stream comes back to it.
@@ -46,12 +48,15 @@ class Registry {
   /// Ends all heads and stops the clock.
   ~Registry();
 
+  /// What would keep such a head out of Open now, if anything does.
+  [[nodiscard]] Result<void> Admit(const groom::Groom& groom, const HeadOptions& options,
+                                   const std::string& request_id);
   /// A new head with `sink` attached. A `request_id` that is already open is taken for the lost
   /// first try of the same call, and ended if this one is admitted. At `max_heads` the head that
   /// has waited longest for its client makes room. kResourceExhausted when none waits, when the
   /// head alone is too much (AdmitHead), or when real-time heads would need more than
-  /// `realtime_capacity`, of which detached ones keep their share for Resume; kUnavailable once
-  /// StopAdmitting was called.
+  /// `realtime_capacity`, of which detached ones keep their share for Resume, or all heads more
+  /// than `max_state_bytes`; kUnavailable once StopAdmitting was called.
   Result<OpenedHead> Open(const Asset& asset, const HeadOptions& options,
                           const std::string& request_id, FrameSink* sink);
   /// The detached head of `resume_token`, attached to `sink`. A stream that still holds it is
@@ -79,6 +84,7 @@ class Registry {
     std::string request_id;
     FrameSink* sink = nullptr;  // Null while detached.
     double moment = 0;          // When it is on the agenda [s].
+    size_t state_bytes = 0;     // Of what its hair remembers.
   };
   using Entries = std::map<uint64_t, Entry>;
 
@@ -98,8 +104,8 @@ class Registry {
   // What keeps a head out, if anything does; else the entry that leaves for it, or end(): the one
   // of the same `request_id`, or at `max_heads` the one detached longest. Changes nothing, so that
   // who is refused harms nobody. With `mutex_`.
-  Result<Entries::iterator> AdmitLocked(const groom::Groom& groom, const HeadOptions& options,
-                                        const std::string& request_id);
+  Result<Entries::iterator> AdmitLocked(const groom::Groom& groom, size_t state_bytes,
+                                        const HeadOptions& options, const std::string& request_id);
 
   const RegistryOptions options_;
   exec::WorkerPool& realtime_;

@@ -11,6 +11,14 @@ from mane.bodies import Body, Material
 from mane.groom import Groom
 from mane.mesh import load_obj
 
+
+
+def _wisp_radius(value: float) -> float:
+    if not 0 <= value <= 0.1:  # A range of the option's own is wrong about NaN.
+        raise typer.BadParameter(f"{value} is not a finite number in [0, 0.1]")
+    return value
+
+
 Bodies = Annotated[
     list[str] | None,
     typer.Option(
@@ -22,7 +30,10 @@ Bodies = Annotated[
 BodyMaterial = Annotated[Material, typer.Option(help="What the bodies are made of.")]
 WispRadius = Annotated[
     float,
-    typer.Option(min=0, max=0.1, help="Of each guide's wisp, which others stay out of, metres."),
+    typer.Option(
+        callback=_wisp_radius,
+        help="Of each guide's wisp, which others stay out of, 0 to 0.1 metres.",
+    ),
 ]
 
 

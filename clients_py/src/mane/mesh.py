@@ -8,6 +8,7 @@ the head that this package ships, which is in that frame already.
 
 from __future__ import annotations
 
+import io
 import os
 import warnings
 from collections.abc import Iterable, Sequence
@@ -261,12 +262,13 @@ def _check_indices(name: str, indices: np.ndarray, count: int) -> None:
 def _read_groups(path: Path) -> dict:
     import trimesh  # Slow to import, and only who reads or cuts meshes needs it.
 
+    text = _read_text(path)
     try:
         with warnings.catch_warnings():
             # The parser averages texture coordinates, which may be missing and are not used here.
             warnings.simplefilter("ignore", RuntimeWarning)
             loaded = trimesh.load_scene(
-                path,
+                io.BytesIO(text.encode()),
                 file_type="obj",
                 process=False,
                 maintain_order=True,
@@ -274,7 +276,12 @@ def _read_groups(path: Path) -> dict:
                 split_groups=True,
             )
     except Exception as error:  # The parser raises whatever its arrays raise.
-        raise InvalidArgument.of(str(path), f"is not a readable OBJ file: {error!r}") from error
+        raise InvalidArgument.of(
+            str(path), f"is not a readable OBJ file: {_first_fault(text) or repr(error)}"
+        ) from error
+    if any(np.shape(part.vertices)[1:] != (3,) for part in loaded.geometry.values()):
+        fault = _first_fault(text) or "vertices need three coordinates"
+        raise InvalidArgument.of(str(path), f"is not a readable OBJ file: {fault}")
     parts = {
         name: part
         for name, part in loaded.geometry.items()
@@ -283,6 +290,36 @@ def _read_groups(path: Path) -> dict:
     if not parts:
         raise InvalidArgument.of(str(path), "has no triangles, must have some")
     return parts
+
+
+def _read_text(path: Path) -> str:
+    content = path.read_bytes()
+    if b"\0" in content:
+        raise InvalidArgument.of(str(path), "is not an OBJ file: it is binary, not text")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return content.decode("latin-1")  # Names and comments of older programs.
+
+
+def _first_fault(text: str) -> str | None:
+    """What is wrong with the first line of an OBJ file that cannot be right, if any is."""
+    vertices = [line for line in text.splitlines() if line.startswith(("v ", "v\t"))]
+    before = 0
+    for number, line in enumerate(text.splitlines(), 1):
+        kind, *values = line.split("#")[0].split() or ("",)
+        before += kind == "v"
+        try:
+            if kind == "v":
+                if len([float(value) for value in values]) < 3:
+                    return f"line {number} has {len(values)} coordinates, must have 3"
+            elif kind == "f":
+                for index in (int(value.split("/")[0]) for value in values):
+                    if not (1 <= index <= len(vertices) or -before <= index <= -1):
+                        return f"line {number} names vertex {index}; there are {len(vertices)}"
+        except ValueError:
+            return f"line {number} is {line[:60]!r}, must hold numbers"
+    return None
 
 
 def _weld(points: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstddef>
+
+#include "groom/groom.h"
+
+namespace mane::head {
+
+/// What hair of a groom meets, counted.
+struct BodyCount {
+  int bodies = 0;  ///< The scalp among them, where hair meets it.
+  int groups = 0;  ///< That move on their own (Bodies::groups).
+};
+[[nodiscard]] BodyCount CountBodies(const groom::Groom& groom);
+
+/// Memory of a HeadState of `groom` at full detail [bytes]: shapes and velocities of guides, and at
+/// every point what was seen of every group. O(elements).
+[[nodiscard]] size_t StateBytes(const groom::Groom& groom);
+
+}  // namespace mane::head
