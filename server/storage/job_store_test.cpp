@@ -179,7 +179,7 @@ TEST_F(JobStoreTest, WrongPagingIsRefused) {
   const auto page = store_->List(10, "\xc3\xa4" + std::string(100'000, 'x'));
   ASSERT_FALSE(page);
   EXPECT_EQ(page.error().message,
-            "page_token is `??" + std::string(124, 'x') + "`, which no answer gave");
+            "page_token is `\xC3\xA4" + std::string(124, 'x') + "`, which no answer gave");
   EXPECT_EQ(store_->List(0, "").error().field, "page_size");
 }
 
