@@ -220,7 +220,7 @@ bool BlockStep::Revise() {
 }
 
 bool BlockStep::Finish() {
-  const bool last = corrections_ + 1 == kCorrections;
+  const bool last = corrections_ + 1 >= kCorrections;
   return contact_.meetings.finish(Meetings(), scratch_.velocities[0].lane, last, memory_[0].lane) &&
          corrections_++ < kCorrections;
 }

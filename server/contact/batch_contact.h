@@ -65,7 +65,7 @@ struct BatchContact {
   double surprise = 0;  ///< How far strands may move besides what they did in the last step [m].
 };
 
-/// One step of one block among bodies, in stages (contact.md, K1 to K9): Begin; Solve; Revise;
+/// One step of one block among bodies, in stages (contact.md, K1 to K10): Begin; Solve; Revise;
 /// Solve; Finish, and Solve again while it asks for that; Commit. Between them the velocities of
 /// all points may be read, and impulses set that others give.
 class BlockStep {
@@ -110,7 +110,7 @@ class BlockStep {
   /// Sets what others push it with in the next solution [kg m/s].
   void SetImpulse(int point, int lane, const Eigen::Vector3f& impulse);
 
-  /// Solutions after the second, each of which stops what its own spring would pull (K6).
+  /// Solutions after the second, at most (K8).
   static constexpr int kCorrections = 3;
 
  private:

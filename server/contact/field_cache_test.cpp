@@ -90,22 +90,29 @@ TEST_F(FieldCacheTest, ABuildStopsOnlyWhenAllHaveLeft) {
   FieldCache cache({}, size_t{1} << 30, 2);
   const TriangleMesh heap = fixtures::Heap(1000, 0.05);  // Takes minutes.
   std::atomic<bool> first = false, second = false;
-  std::atomic<bool> first_left = false, second_waits = false;
+  std::atomic<int> first_asked = 0, second_asked = 0;
   ErrorCode of_first{}, of_second{};
   std::jthread one([&] {
-    of_first = cache.Get(heap, [&] { return first.load(); }).error().code;
-    first_left = true;
+    const auto leaves = [&] {
+      ++first_asked;
+      return first.load();
+    };
+    of_first = cache.Get(heap, leaves).error().code;
   });
+  while (first_asked == 0) std::this_thread::yield();  // It builds.
   std::jthread two([&] {
     const auto leaves = [&] {
-      second_waits = true;
+      ++second_asked;
       return second.load();
     };
     of_second = cache.Get(heap, leaves).error().code;
   });
-  while (!second_waits) std::this_thread::yield();
+  while (second_asked == 0) std::this_thread::yield();
+  first = true;
+  // The build goes on and asks the one who is left.
+  for (const int asked = second_asked; second_asked < asked + 10;) std::this_thread::yield();
   EXPECT_EQ(cache.size(), 1U);
-  first = second = true;
+  second = true;
   one.join(), two.join();
   EXPECT_EQ(of_first, ErrorCode::kCancelled);
   EXPECT_EQ(of_second, ErrorCode::kCancelled);

@@ -1,6 +1,6 @@
 #pragma once
 
-/// How points of a block of strands meet bodies in a step (contact.md, K1 to K9), lane by lane;
+/// How points of a block of strands meet bodies in a step (contact.md, K1 to K10), lane by lane;
 /// only for sources that define MANE_ISA.
 
 #include "contact/meeting_layout.h"
@@ -103,7 +103,11 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
         // A coil's envelope, from nothing at the root.
         const V around = 0.25F * arc < radius ? 0.25F * arc : radius;
         const V sag_after = ++i < points ? Sag(point, meeting) : V{};
-        const V sag = sag_before > sag_after ? sag_before : sag_after;
+        V sag = sag_before > sag_after ? sag_before : sag_after;
+        if (!block.wound) {
+          const V bulge = Bulge(element, unit * share, count);
+          sag = sag > bulge ? sag : bulge;
+        }
         sag_before = sag_after;
         const V gap = Row(meeting, kDistance) - (numbers.thickness + around + sag);
         const Vec n = Rows(meeting, kMeetNormal), surface = Rows(meeting, kSurface);
@@ -207,8 +211,8 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
   // Of a point's own mass: what resists penetration and what holds it sideways within a step (K2,
   // K3); less than in double precision, as float32 has six digits for them and the free directions.
   static constexpr float kPressing = 1e3F;
-  static constexpr float kHolding = 4e3F;
-  static constexpr float kSoftStop = 4;
+  static constexpr float kHolding = 1.6e4F;
+  static constexpr float kSoftStop = 4;       // Of what falls at last, over its own mass (K8).
   static constexpr float kLiftDepth = 1e-3F;  // At which what lifts is at its most (K9) [m].
   static constexpr float kMostSag = 3e-3F;    // Kept away for what lies between points [m],
   static constexpr float kSagReach = 2e-2F;   // of those that are so near.
@@ -220,6 +224,16 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
   static constexpr float kReach = 2;      // or from this many times what they move in h.
   static constexpr float kFar = 1e9F;
 
+  // Height of the arc between two points `apart` [m] of an element with its natural curvature (K10)
+  // [m].
+  static V Bulge(const float* element, const V& apart, int count) {
+    const V b1 = Row(element, rod::layout::kNatural + 1),
+            b2 = Row(element, rod::layout::kNatural + 2);
+    const V bend =
+        (1.0F / static_cast<float>(count)) * simd::MANE_ISA::Sqrt(b1 * b1 + b2 * b2 + 1e-20F);
+    const V height = 0.125F * apart * bend;
+    return height < kMostSag ? height : All(kMostSag);
+  }
   // How much deeper than a point and the next the strand lies in a body between them: the body's
   // surface bulges there, and the strand bends towards it (K10) [m].
   static V Sag(const float* point, const float* meeting) {
@@ -277,7 +291,7 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
     return resistance < largest ? resistance : largest;
   }
   // New loads in the lanes `again`: what falls is stopped, and every other point that comes nearer
-  // is resisted with what pressed it, so that nothing pulls (K6).
+  // is resisted with what pressed it, so that nothing pulls (K8).
   template <typename M>
   static void Amend(const MeetingBlock& block, const float* u, bool last, const M& again) {
     const float* point = block.points;

@@ -26,7 +26,7 @@ enum Meeting : int {
   kLeast,       ///< v of (K2) [m/s].
   kStiff,       ///< What keeps it from going on, per speed that it lacks (K2) [rho S l0]; 0 where
                 ///< nothing,
-  kStopSpeed,   ///< and the speed that it lacks it to: v, or the body's own (K6) [m/s].
+  kStopSpeed,   ///< and the speed that it lacks it to: v, or the body's own (K8) [m/s].
   kLift,        ///< What lifts it out, per speed that it lacks (K9) [rho S l0],
   kLiftSpeed,   ///< and to which speed along the normal [m/s].
   kRub,         ///< +1 where it is held across, -1 where it slides, 0 where it touches nothing.
@@ -86,8 +86,9 @@ struct MeetingKernels {
   bool (*begin)(const MeetingBlock& block, const MeetingNumbers& numbers, const float* pressed);
   /// Loads of the second, by the velocities of the first. @return whether any differ.
   bool (*revise)(const MeetingBlock& block, const float* velocities);
-  /// Stops what its own spring pulls (K6), and leaves impulses. @return whether any must be solved
-  /// again.
+  /// Resists where a spring pulled, stops what falls (K8), and leaves in `pressed` the impulses of
+  /// the last solution. @param last  whether there is but one more solution. @return whether any
+  /// must be solved again.
   bool (*finish)(const MeetingBlock& block, const float* velocities, bool last, float* pressed);
 };
 

@@ -11,7 +11,7 @@ namespace {
 using Around = WispNeighbours::Around;
 using Pair = WispNeighbours::Pair;
 
-constexpr int kGuidesAPiece = 8;
+constexpr int kGuidesAPiece = WispScratch::kGuidesAPiece;
 constexpr float kLongestSweep = 0.25f;  // Of a point among the others [m].
 constexpr float kSpare = 0.4f;  // What a point may move until the next search, by the radius,
 constexpr float kAhead = 3;     // and steps more for which that lasts, up to it; if not twice it.

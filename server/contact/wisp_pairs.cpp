@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 using Contact = WispScratch::Contact;
 
-constexpr int kGuidesAPiece = 8;
+constexpr int kGuidesAPiece = WispScratch::kGuidesAPiece;
 constexpr int kPairsAPiece = 256;
 constexpr int kPointsAPiece = 1024;
 // A pair goes on along its guides by this many segments within a step.

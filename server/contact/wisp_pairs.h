@@ -117,6 +117,7 @@ struct WispScratch {
   SegmentGrid grid;
   std::vector<WispNeighbours::Pair> found;       ///< By the search,
   std::vector<WispNeighbours::Pair> neighbours;  ///< and all before it.
+  static constexpr int kGuidesAPiece = 8;
   std::vector<Piece> pieces;
   std::vector<WispPair> pairs;     ///< Of the last step.
   std::vector<uint8_t> followed;   ///< Which of them have gone on.

@@ -15,7 +15,8 @@ namespace mane::exec {
 /// One value that several may want at once: who asks first makes it, on the own thread, and the
 /// others wait for that.
 ///
-/// Threads: Get from any. `mutex_` guards all, and is not held while the value is made.
+/// Threads: Get from any. `mutex_` guards all, and is not held while the value is made. Callers'
+/// `cancelled` are asked while it is held: what they lock comes after it, always.
 template <typename Value>
 class Joint {
  public:

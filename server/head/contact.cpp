@@ -54,6 +54,7 @@ void StartContact(const groom::Groom& groom, std::shared_ptr<const Bodies> bodie
 void ResetContact(HeadState* state) {
   Contact& contact = state->contact;
   state->guides = contact.bodies->settled;
+  contact.velocity.setZero(), contact.spin.setZero();
   contact.wisps.Clear();
   contact.fineness = 1;
   for (Contact::Block& block : contact.blocks) {

@@ -41,7 +41,7 @@ inline constexpr int kFinest = 4;
 inline constexpr float kLargestBend = 1e-3F;  // [m]
 /// How far bodies come on the head, or the head where its hair does not expect it, in a step [m].
 inline constexpr double kLargestWay = 0.01;
-/// As kLargestBend, of hair that meets hair; it is stepped finer from the next movement on.
+/// As kLargestBend, of hair that meets hair; it is stepped finer from then on.
 inline constexpr float kLargestWispBend = 4e-3F;
 
 struct HeadState;

@@ -191,16 +191,17 @@ TEST_F(ContactTest, HairAtRestStaysAtRestInStepsOfAnySize) {
   for (const int substeps : {1, 2, 4, 16}) {
     HeadState state = AtRest(*groom, {});
     StartContact(*groom, bodies, &state);
-    const std::vector<Vector3d> start = Points(*groom, state, pool_);
+    std::vector<Vector3d> before = Points(*groom, state, pool_);
+    double fastest = 0;
     for (int i = 0; i < 4 * 60; ++i) {
       Advance(*groom, {{}, 1 / 60.0, substeps}, {}, &state, pool_);
+      const std::vector<Vector3d> now = Points(*groom, state, pool_);
+      for (size_t k = 0; k < now.size(); ++k) {
+        fastest = std::max(fastest, 60 * (now[k] - before[k]).norm());
+      }
+      before = now;
     }
-    const std::vector<Vector3d> end = Points(*groom, state, pool_);
-    double farthest = 0;
-    for (size_t i = 0; i < start.size(); ++i) {
-      farthest = std::max(farthest, (end[i] - start[i]).norm());
-    }
-    EXPECT_LT(farthest, 0.02) << substeps;
+    EXPECT_LT(fastest, 0.02) << substeps;
   }
 }
 
@@ -214,7 +215,7 @@ TEST_F(ContactTest, ResetLeadsBackToTheStart) {
   }
   EXPECT_NE(Coordinates(*groom, state), Coordinates(*groom, start));
   Reset(*groom, &state);
-  state.pose = {}, state.contact.velocity.setZero(), state.contact.spin.setZero();
+  state.pose = {};
   HeadState again = start;
   for (int i = 0; i < 30; ++i) {
     Advance(*groom, {{}, 1 / 60.0, 1}, {}, &state, pool_);

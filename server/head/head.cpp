@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <optional>
 #include <span>
 
 #include "base/check.h"
@@ -163,14 +164,18 @@ int AdvanceAmongWisps(const groom::Groom& groom, const StepDrive& drive, const W
   StepAmongWisps(groom, {drives, drive.bodies, drive.surprise, dt}, state->guides, &state->contact,
                  pool, &own_failed, &own_bends);
   *bend = std::max(*bend, std::ranges::max(own_bends));
+  // What failed says nothing of how it bent.
+  if (std::ranges::max(own_failed) != 0) *bend = std::max(*bend, 2 * kLargestWispBend);
   int repaired = 0;
   for (int i = 0; i < blocks; ++i) repaired += Repair(groom, i, own_failed[i], state);
   return repaired;
 }
 
-// All given steps of block `i`. Returns how many strands had to be put to rest.
-int AdvanceBlock(const groom::Groom& groom, int i, std::span<const StepDrive> drives,
-                 const WindField& wind, HeadState* state, float* bend) {
+// All given steps of block `i`. Returns how many strands had to be put to rest; nothing, amid the
+// steps, where some had to but may not.
+std::optional<int> AdvanceBlock(const groom::Groom& groom, int i, std::span<const StepDrive> drives,
+                                const WindField& wind, bool repairs, HeadState* state,
+                                float* bend) {
   const rod::Batch<float>::Block& block = groom.batch.blocks()[i];
   Drive windy;
   int repaired = 0;
@@ -179,9 +184,10 @@ int AdvanceBlock(const groom::Groom& groom, int i, std::span<const StepDrive> dr
       windy = drive.rows;
       SetEddies(groom, block, drive, wind, &windy);
     }
-    repaired += Repair(
-        groom, i, StepAtLevel(groom, i, drive, wind.turbulent() ? windy : drive.rows, state, bend),
-        state);
+    const uint32_t failed =
+        StepAtLevel(groom, i, drive, wind.turbulent() ? windy : drive.rows, state, bend);
+    if (failed != 0 && !repairs) return std::nullopt;
+    repaired += Repair(groom, i, failed, state);
   }
   return repaired;
 }
@@ -205,14 +211,15 @@ int AdvanceAmongBodies(const groom::Groom& groom, int i, int fineness,
     memory_before.assign(memory.begin(), memory.end());
   }
   float bend = 0;
-  const int put_to_rest = AdvanceBlock(groom, i, drives, wind, state, &bend);
   int& own = state->contact.blocks[i].fineness;
-  if (bend > kLargestBend && fineness < kFinest) {
+  const std::optional<int> put_to_rest =
+      AdvanceBlock(groom, i, drives, wind, fineness == kFinest, state, &bend);
+  if (!put_to_rest || (bend > kLargestBend && fineness < kFinest)) {
     std::ranges::copy(moving_before, moving.begin());
     std::ranges::copy(memory_before, memory.begin());
     return own = 2 * fineness;
   }
-  *repaired += put_to_rest;
+  *repaired += *put_to_rest;
   own = NextFineness(fineness, bend, kLargestBend);
   return 0;
 }
@@ -265,6 +272,8 @@ void Teleport(const groom::Groom& groom, const math::Pose& pose, HeadState* stat
   state->detail.spin = turn * state->detail.spin;
   const math::Pose moved = pose * state->pose.Inverse();
   for (math::Pose& body : state->contact.moving) body = moved * body;
+  state->contact.velocity = turn * state->contact.velocity;
+  state->contact.spin = turn * state->contact.spin;
   state->pose = pose;
 }
 
@@ -288,6 +297,7 @@ StepReport Advance(const groom::Groom& groom, const Movement& movement,
                    const Environment& environment, HeadState* state, exec::WorkerPool& pool) {
   MANE_CHECK(movement.duration > 0 && movement.substeps >= 1);
   MANE_CHECK(state->guides.size() == groom.batch.state_rows());
+  MANE_CHECK(movement.bodies.empty() || movement.bodies.size() == state->contact.moving.size());
   if ((movement.target.p - state->pose.p).norm() > kFastestHead * movement.duration) {
     Teleport(groom, movement.target, state);
   }
@@ -337,7 +347,7 @@ StepReport Advance(const groom::Groom& groom, const Movement& movement,
           if (bodies) {
             due[i] = AdvanceAmongBodies(groom, i, fineness, now, wind, state, &repaired);
           } else {
-            repaired += AdvanceBlock(groom, i, now, wind, state, nullptr);
+            repaired += *AdvanceBlock(groom, i, now, wind, true, state, nullptr);
           }
           if (detail && end == steps && (!bodies || due[i] == 0)) {
             FinishBlock(groom, i, movement, environment.detail_tolerance, state);
@@ -351,7 +361,6 @@ StepReport Advance(const groom::Groom& groom, const Movement& movement,
   }
   state->pose = movement.target;
   if (!movement.bodies.empty()) {
-    MANE_CHECK(movement.bodies.size() == state->contact.moving.size());
     state->contact.moving.assign(movement.bodies.begin(), movement.bodies.end());
   }
   state->time += movement.duration;

@@ -48,8 +48,7 @@ struct KindKernels {
   /// @param next        out: the state that `state` goes to.
   /// @param velocities  out: of the points in the step, world [m/s], (points x 3 x kLanes)
   /// @param size        as of step.
-  /// @param turning     out: largest acceleration by which the joints of each strand leave the
-  /// straight
+  /// @param turning     out: largest acceleration by which joints of each strand leave the straight
   ///                    lines that the step takes them along (S16) [m/s^2].
   void (*solve)(int N, const int* first_point, const T* constants, const T* drive, const T* state,
                 const T* loads, const unsigned char* loaded, const unsigned char* watched,

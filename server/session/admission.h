@@ -31,7 +31,8 @@ inline constexpr double kFrameSteps = 2000;
 inline constexpr double kPointSteps = 0.5;
 
 /// Element-steps of one frame in lockstep or of a bake: half a second of work with vector kernels,
-/// seconds at most.
+/// seconds at most. Hair that turns fast among bodies takes up to seven times that, as blocks step
+/// up to head::kFinest times finer.
 inline constexpr double kMaxFrameWork = 1e7;
 /// Bytes of what one head's hair remembers (head::StateBytes).
 inline constexpr size_t kMaxStateBytes = size_t{512} << 20;

@@ -31,7 +31,7 @@ Result<BodyLibrary::BodiesPtr> BodyLibrary::FindOrMake(const GroomPtr& groom,
     if (making == nullptr) known = making = std::make_shared<Making>();
   }
   return making->Get(cancelled, [&](const base::Cancelled& unwanted) -> Result<BodiesPtr> {
-    auto made = head::MakeBodies(*groom, &fields_, pool_, unwanted);
+    auto made = head::MakeBodies(*groom, &fields_, settling_, unwanted);
     if (!made) return made;
     return Add(groom, *made);
   });

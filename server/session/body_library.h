@@ -79,6 +79,9 @@ class BodyLibrary {
 
   const BodyLibraryOptions options_;
   contact::FieldCache fields_;
+  // Hair settles on it. Nobody waits for what is made on it: tasks of pool_ do, and would leave the
+  // maker no thread of their own pool.
+  exec::WorkerPool settling_{kMakers};
 
   std::mutex mutex_;
   std::map<Key, Entry, std::owner_less<Key>> bodies_;

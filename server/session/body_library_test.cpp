@@ -117,6 +117,27 @@ TEST(BodyLibraryTest, WhoAskAtOnceShareWhatIsMade) {
   EXPECT_EQ(made[2], made[0]);
 }
 
+// A bake makes them on its own thread, while openings wait for that in every thread of the pool.
+TEST(BodyLibraryTest, WaitingInAllOfThePoolStopsNobodyFromMaking) {
+  BodyLibrary library({});
+  const auto groom = SampleGroomWithBodies(400, 8);
+  std::atomic<bool> makes = false;
+  BodyLibrary::BodiesPtr made;
+  std::jthread maker([&] {
+    made = *library.FindOrMake(groom, [&] {
+      makes = true;
+      return false;
+    });
+  });
+  while (!makes) std::this_thread::yield();
+  BodyLibrary::BodiesPtr waited[BodyLibrary::kMakers];
+  for (auto& bodies : waited) library.pool().Post([&] { bodies = *library.FindOrMake(groom); });
+  library.pool().WaitIdle();
+  maker.join();
+  EXPECT_NE(made, nullptr);
+  for (const auto& bodies : waited) EXPECT_EQ(bodies, made);
+}
+
 TEST(BodyLibraryTest, BadMeshesAreNamed) {
   BodyLibrary library({});
   auto open = *Tetrahedron(0.1f);

@@ -38,7 +38,7 @@ TILT_PER_S = np.radians(1.0)
 """Of the slow tilt."""
 PART_BELOW = 0.9
 """Of the angle of friction, where creep is measured."""
-HELD_OVER_MASS = 4e3
+HELD_OVER_MASS = 1.6e4
 """What holds a point that sticks, as a part of its momentum at the speed at which it creeps: sigma
 of contact.md (K3), as the server's batched steps have it. It acts for 0.55 of a step."""
 
