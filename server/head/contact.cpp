@@ -13,6 +13,11 @@ namespace {
 
 constexpr double kArm = 0.3;  // At which hair lies from what turns [m].
 
+std::span<rod::Row<float>> MemoryOf(int block, Contact* contact) {
+  return std::span(contact->memory)
+      .subspan(contact->blocks[block].first, contact->blocks[block].rows);
+}
+
 // A body that is that far in a step has been cut to another place.
 math::Pose StartOf(const math::Pose& begin, const math::Pose& end, double duration) {
   return (end.p - begin.p).norm() > kFastestHead * duration ? end : begin;
@@ -27,9 +32,8 @@ Eigen::Vector3d SpinOf(const rod::ClampMotion& head) {
 
 }  // namespace
 
-std::span<rod::Row<float>> MemoryOf(int block, Contact* contact) {
-  return std::span(contact->memory)
-      .subspan(contact->blocks[block].first, contact->blocks[block].rows);
+std::span<rod::Row<float>> PressedOn(int block, Contact* contact) {
+  return MemoryOf(block, contact).first(contact->blocks[block].first_point.back());
 }
 
 void StartContact(const groom::Groom& groom, std::shared_ptr<const Bodies> bodies,

@@ -86,7 +86,7 @@ void Remember(const rod::ClampMotion& head, Contact* contact);
     std::span<const contact::GroupMotion> motions, double surprise,
     std::span<rod::Row<float>> state, Contact* contact, float* bend);
 
-/// The rows that are remembered of a block.
-[[nodiscard]] std::span<rod::Row<float>> MemoryOf(int block, Contact* contact);
+/// What the points of a block pressed with in the last step, of what is remembered.
+[[nodiscard]] std::span<rod::Row<float>> PressedOn(int block, Contact* contact);
 
 }  // namespace mane::head

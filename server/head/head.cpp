@@ -204,11 +204,13 @@ int NextFineness(int fineness, float bend, float largest) {
 int AdvanceAmongBodies(const groom::Groom& groom, int i, int fineness,
                        std::span<const StepDrive> drives, const WindField& wind, HeadState* state,
                        std::atomic<int>* repaired) {
-  thread_local std::vector<rod::Row<float>> moving_before, memory_before;
-  const Rows moving = MovingRows(groom, i, state), memory = MemoryOf(i, &state->contact);
+  thread_local std::vector<rod::Row<float>> moving_before, pressed_before;
+  const Rows moving = MovingRows(groom, i, state);
+  // What was seen stays true.
+  const Rows pressed = PressedOn(i, &state->contact);
   if (fineness < kFinest) {
     moving_before.assign(moving.begin(), moving.end());
-    memory_before.assign(memory.begin(), memory.end());
+    pressed_before.assign(pressed.begin(), pressed.end());
   }
   float bend = 0;
   int& own = state->contact.blocks[i].fineness;
@@ -216,7 +218,7 @@ int AdvanceAmongBodies(const groom::Groom& groom, int i, int fineness,
       AdvanceBlock(groom, i, drives, wind, fineness == kFinest, state, &bend);
   if (!put_to_rest || (bend > kLargestBend && fineness < kFinest)) {
     std::ranges::copy(moving_before, moving.begin());
-    std::ranges::copy(memory_before, memory.begin());
+    std::ranges::copy(pressed_before, pressed.begin());
     return own = 2 * fineness;
   }
   *repaired += *put_to_rest;
