@@ -199,7 +199,8 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
       const V speed = Dot(Rows(meeting, kMeetNormal), Rows(u, 0)), rub = Row(meeting, kRub);
       const V pressing = Pressing(meeting, speed), sign = rub > 0.5F ? All(1) : All(-1);
       Put(((Abs(rub) > 0.5F) & (pressing > 0.0F)) ? sign * pressing : V{}, pressed, 0);
-      wrong = (Pulls(meeting, speed) | Falls(meeting, speed)) ? All(1) : wrong;
+      const auto pulls = Pulls(meeting, speed), falls = Falls(meeting, speed);
+      wrong = (pulls | falls) ? All(1) : wrong;
     }
     const auto again = wrong > 0.5F;
     if (!simd::MANE_ISA::Any(again)) return false;
@@ -246,7 +247,7 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
     const Vec bent = Rows(point, rod::layout::kPointRows + rod::layout::kTangent) - t;
     const Vec way = Rows(point, rod::layout::kPointRows) - Rows(point, 0);
     const V sag = 0.125F * (Dot(turned, way) + Speed(way) * Dot(bent, n + All(0.5F) * turned));
-    return counts & (sag > 0.0F) ? (sag < kMostSag ? sag : All(kMostSag)) : V{};
+    return (counts & (sag > 0.0F)) ? (sag < kMostSag ? sag : All(kMostSag)) : V{};
   }
   static V Abs(const V& x) { return x > 0.0F ? x : -x; }
   static V Speed(const Vec& u) { return simd::MANE_ISA::Sqrt(Dot(u, u) + 1e-20F); }
@@ -282,8 +283,9 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
   // What nothing stops, or too little, would fall in.
   static auto Falls(const float* meeting, const V& speed) {
     const V least = Row(meeting, kLeast);
-    const auto soft = (Row(meeting, kStiff) == 0.0F) | (Row(meeting, kStopSpeed) > least);
-    return soft & (Row(meeting, kMass) > 0.0F) & (least - speed > kSlack);
+    const V stiff = Row(meeting, kStiff), to = Row(meeting, kStopSpeed), mass = Row(meeting, kMass);
+    const auto soft = (stiff == 0.0F) | (to > least);
+    return soft & (mass > 0.0F) & (least - speed > kSlack);
   }
   // What gives the impulse `needs` to what comes nearer at `speed`.
   static V Resistance(const V& needs, const V& speed, const V& largest) {
