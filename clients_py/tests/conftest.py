@@ -9,10 +9,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-import pytest
+# Else gRPC's handlers of forks write into the standard error of what tests start, ffmpeg's among
+# it, which is read. It is looked at when gRPC is imported.
+os.environ.setdefault("GRPC_ENABLE_FORK_SUPPORT", "0")
 
-import mane
+import numpy as np  # noqa: E402
+import pytest  # noqa: E402
+
+import mane  # noqa: E402
 
 START_TIMEOUT_S = 20.0
 
