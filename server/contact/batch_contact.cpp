@@ -18,11 +18,6 @@ constexpr double kPointSpacing = 0.015;  // [m]
 constexpr double kLargestBulge = 2e-3;   // Of curled hair between two points [m].
 constexpr int kMostPoints = 10;
 
-int ElementRows(const Block& block) {
-  return block.kind == rod::layout::Kind::kWound ? int{rod::layout::kConstantsPerWoundElement}
-                                                 : int{rod::layout::kConstantsPerElement};
-}
-
 void Reserve(const Block& block, size_t points, BatchContactScratch* scratch) {
   const auto grow = [](size_t size, auto* list) {
     if (list->size() < size) list->resize(size);
@@ -117,9 +112,9 @@ std::vector<int> FirstPoints(const rod::Batch<float>& batch, const Block& block)
   const float* const constants = batch.constants(block);
   const float* const unit = constants + rod::layout::kUnit * kLanes;
   const bool wound = block.kind == rod::layout::Kind::kWound;
-  const float* element = constants + rod::layout::kFirstElement * kLanes;
   std::vector<int> first = {0};
-  for (int Q = 0; Q < block.elements; ++Q, element += ElementRows(block) * kLanes) {
+  for (int Q = 0; Q < block.elements; ++Q) {
+    const float* const element = constants + rod::layout::ConstantRows(block.kind, Q) * kLanes;
     double count = 1;
     for (int lane = 0; lane < kLanes; ++lane) {
       const double length = unit[lane] * element[rod::layout::kLength * kLanes + lane];
@@ -256,7 +251,7 @@ Eigen::Vector3f BlockStep::Velocity(int point, int lane) const {
 float BlockStep::Mass(int point, int lane) const {
   const auto next = std::upper_bound(first_point_.begin(), first_point_.end(), point);
   const int Q = static_cast<int>(next - first_point_.begin()) - 1;
-  const int length = rod::layout::kFirstElement + Q * ElementRows(block_) + rod::layout::kLength;
+  const int length = rod::layout::ConstantRows(block_.kind, Q) + rod::layout::kLength;
   return constants_[rod::layout::kUnitMass * kLanes + lane] * constants_[length * kLanes + lane] /
          static_cast<float>(first_point_[Q + 1] - first_point_[Q]);
 }

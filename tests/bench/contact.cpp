@@ -132,8 +132,7 @@ double Step(const groom::Groom& groom, const std::shared_ptr<const head::Bodies>
     head::Advance(groom, {pose, dt, 1, moving}, {}, &state, pool);
   };
   for (int i = 0; i < kLeadIn; ++i) step(i);
-  const double median = Median(seconds, [&](int i) { step(kLeadIn + i); });
-  return median;
+  return Median(seconds, [&](int i) { step(kLeadIn + i); });
 }
 
 std::shared_ptr<const head::Bodies> BodiesOf(const groom::Groom& groom) {
