@@ -90,12 +90,18 @@ Result<Registry::Entries::iterator> Registry::AdmitLocked(const groom::Groom& gr
   return leaving;
 }
 
-Result<void> Registry::Admit(const groom::Groom& groom, const HeadOptions& options,
-                             const std::string& request_id) {
-  if (auto ok = AdmitHead(groom, options); !ok) return ok;
+Result<size_t> Registry::Weigh(const groom::Groom& groom, const HeadOptions& options,
+                               const std::string& request_id) {
+  if (const auto ok = AdmitHead(groom, options); !ok) return ok.error();
   const size_t state_bytes = head::StateBytes(groom);
   std::lock_guard lock(mutex_);
   if (const auto ok = AdmitLocked(groom, state_bytes, options, request_id); !ok) return ok.error();
+  return state_bytes;
+}
+
+Result<void> Registry::Admit(const groom::Groom& groom, const HeadOptions& options,
+                             const std::string& request_id) {
+  if (const auto weighed = Weigh(groom, options, request_id); !weighed) return weighed.error();
   return {};
 }
 
@@ -104,8 +110,8 @@ Result<OpenedHead> Registry::Open(const Asset& asset, const HeadOptions& options
   const groom::Groom& groom = *asset.groom;
   // Before the head is built, which takes time and memory, and, as others come and go meanwhile,
   // once more below.
-  if (const auto ok = Admit(groom, options, request_id); !ok) return ok.error();
-  const size_t state_bytes = head::StateBytes(groom);
+  const auto state_bytes = Weigh(groom, options, request_id);
+  if (!state_bytes) return state_bytes.error();
   const uint64_t id = next_id_++;
   exec::WorkerPool& pool = options.pacing == Pacing::kRealtime ? realtime_ : lockstep_;
   const OpenedHead opened{
@@ -115,14 +121,14 @@ Result<OpenedHead> Registry::Open(const Asset& asset, const HeadOptions& options
   std::shared_ptr<HeadSession> replaced;
   {
     std::lock_guard lock(mutex_);
-    const auto leaving = AdmitLocked(groom, state_bytes, options, request_id);
+    const auto leaving = AdmitLocked(groom, *state_bytes, options, request_id);
     if (!leaving) return leaving.error();
     if (*leaving != entries_.end()) {
       replaced = std::move((*leaving)->second.head);
       Erase(*leaving);
     }
     Entry& entry = entries_[id];
-    entry = {opened.head, opened.resume_token, request_id, sink, 0, state_bytes};
+    entry = {opened.head, opened.resume_token, request_id, sink, 0, *state_bytes};
     Schedule(id, entry);
   }
   opened.head->Attach(sink);

@@ -101,6 +101,9 @@ class Registry {
   void Schedule(uint64_t id, Entry& entry);
   void Erase(Entries::iterator item);
 
+  // As Admit; what the head would remember of its hair [bytes], which takes a while to count.
+  Result<size_t> Weigh(const groom::Groom& groom, const HeadOptions& options,
+                       const std::string& request_id);
   // What keeps a head out, if anything does; else the entry that leaves for it, or end(): the one
   // of the same `request_id`, or at `max_heads` the one detached longest. Changes nothing, so that
   // who is refused harms nobody. With `mutex_`.
