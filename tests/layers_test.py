@@ -37,6 +37,7 @@ FOLDERS = {
     "contact": Folder(("rod", "exec"), ("Eigen", "fmt"), ("xxhash", "embree")),
     "wire": Folder(("math",), ("Eigen",), pure=True),
     "groom": Folder(("rod", "exec"), ("Eigen", "fmt"), ("xxhash",)),
+    "styling": Folder(("groom", "contact"), ("Eigen", "fmt"), ("png",)),
     "head": Folder(("groom", "contact", "exec", "wire"), ("Eigen", "fmt")),
     "session": Folder(("head",), ("Eigen", "fmt"), ("spdlog", "posix")),
     "storage": Folder(("base",), ("fmt",), ("spdlog", "sqlite", "posix")),
