@@ -125,6 +125,13 @@ struct ConstraintQueue {
   std::vector<Constraint> constraints;
 };
 
+/// Where hair is cut ([CK05] 6.2): master strands of `region` are at most so long.
+struct Cut {
+  Region region;
+  std::optional<double> length;            ///< [m]
+  std::optional<Region::HalfSpace> plane;  ///< Ends deformed hair where it first leaves it.
+};
+
 /// Colour of strands ([CK05] 5): hue (turns), saturation and value in [0, 1], each of its own
 /// distribution.
 struct Colouring {
@@ -164,6 +171,7 @@ struct Style {
       7e-8;             ///< What a strand takes of the density field [m^2], air included.
   double cell = 0.008;  ///< Of the density field [m].
   std::vector<ConstraintQueue> queues;
+  std::vector<Cut> cuts;
 
   Colouring colour;
 };

@@ -1,0 +1,119 @@
+#include "styling/hairdressing.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "base/check.h"
+#include "styling/equal.h"
+
+namespace mane::styling {
+namespace {
+
+constexpr int kPointsPerPeriod = 16;
+constexpr size_t kMostPoints = 1000;
+
+// The queue of hair of `region`, if none dealt out into shares.
+ConstraintQueue& QueueOf(const Region& region, const char* name, Style* style) {
+  for (ConstraintQueue& queue : style->queues) {
+    if (queue.share_count <= 1 && queue.selection == region) return queue;
+  }
+  style->queues.push_back({name, region, 0, 1, {}});
+  return style->queues.back();
+}
+
+struct Dresser {
+  const Region& region;
+  Style* style;
+
+  void operator()(const Operation::Trim& trim) const {
+    style->cuts.push_back({region, trim.length, trim.plane});
+  }
+  void operator()(const Operation::Wave& wave) const {
+    style->regional.push_back({region, wave.synthesis});
+  }
+  void operator()(const Operation::Comb& comb) const {
+    QueueOf(region, "comb", style)
+        .constraints.push_back({Constraint::Kind::kDirection, comb.path, comb.radius, comb.weight});
+  }
+  void operator()(const Operation::Tie& tie) const {
+    QueueOf(region, "tie", style)
+        .constraints.push_back({Constraint::Kind::kPoint, {tie.point}, tie.radius, 1});
+  }
+  void operator()(const Operation::Braid& braid) const {
+    // What led the hair so far leads each of its parts.
+    ConstraintQueue before{"braid", region, 0, 1, {}};
+    const auto same = std::find_if(style->queues.begin(), style->queues.end(),
+                                   [this](const ConstraintQueue& queue) {
+                                     return queue.share_count <= 1 && queue.selection == region;
+                                   });
+    if (same != style->queues.end()) {
+      before.constraints = same->constraints;
+      style->queues.erase(same);
+    }
+    for (int strand = 0; strand < braid.strand_count; ++strand) {
+      ConstraintQueue queue = before;
+      queue.share = strand;
+      queue.share_count = braid.strand_count;
+      const std::vector<Eigen::Vector3d> path =
+          BraidStrand(braid.path, strand, braid.strand_count, braid.radius, braid.period);
+      // A strand of a braid takes about half of the braid's radius.
+      const double tolerance = braid.radius / 2;
+      queue.constraints.push_back({Constraint::Kind::kPoint, {path.front()}, tolerance, 1});
+      queue.constraints.push_back({Constraint::Kind::kTrajectory, path, tolerance, 1});
+      style->queues.push_back(std::move(queue));
+    }
+  }
+};
+
+}  // namespace
+
+void Dress(const Operation& operation, Style* style) {
+  std::visit(Dresser{operation.region, style}, operation.what);
+}
+
+std::vector<Eigen::Vector3d> BraidStrand(const std::vector<Eigen::Vector3d>& axis, int strand,
+                                         int strand_count, double radius, double period) {
+  MANE_CHECK(axis.size() >= 2 && strand_count >= 1 && period > 0);
+  std::vector<double> at{0};
+  for (size_t i = 1; i < axis.size(); ++i) at.push_back(at.back() + (axis[i] - axis[i - 1]).norm());
+  const double length = at.back();
+  MANE_CHECK(length > 0);
+  const auto count =
+      std::clamp(static_cast<size_t>(std::ceil(length / period * kPointsPerPeriod)) + 1,
+                 axis.size(), kMostPoints);
+
+  std::vector<Eigen::Vector3d> strand_axis;
+  size_t segment = 1;
+  Eigen::Vector3d tangent = Eigen::Vector3d::Zero();
+  Eigen::Vector3d side = Eigen::Vector3d::Zero();
+  for (size_t i = 0; i < count; ++i) {
+    const double t = length * static_cast<double>(i) / static_cast<double>(count - 1);
+    while (segment + 1 < axis.size() && (at[segment] < t || at[segment] == at[segment - 1])) {
+      ++segment;
+    }
+    const Eigen::Vector3d along = axis[segment] - axis[segment - 1];
+    const double span = at[segment] - at[segment - 1];
+    if (span > 0) {
+      const Eigen::Vector3d next = along / span;
+      // The first side lies across the head's front, so that a braid down the back is broad seen
+      // from behind; then it is carried along.
+      side = i == 0 ? Eigen::Vector3d(Eigen::Vector3d::UnitX() - next * next.x())
+                    : Eigen::Vector3d(Eigen::Quaterniond::FromTwoVectors(tangent, next) * side);
+      if (side.norm() < 1e-3) side = next.unitOrthogonal();
+      side.normalize();
+      tangent = next;
+    }
+    const double u = span > 0 ? std::clamp((t - at[segment - 1]) / span, 0.0, 1.0) : 0.0;
+    const double phi =
+        2 * std::numbers::pi * (t / period + static_cast<double>(strand) / strand_count);
+    strand_axis.push_back(axis[segment - 1] + u * along +
+                          radius *
+                              (std::sin(phi) * side + std::sin(2 * phi) / 2 * tangent.cross(side)));
+  }
+  return strand_axis;
+}
+
+}  // namespace mane::styling
