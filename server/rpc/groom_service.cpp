@@ -8,6 +8,7 @@
 #include "rpc/convert_animation.h"
 #include "rpc/convert_body.h"
 #include "rpc/convert_groom.h"
+#include "rpc/groom_upload.h"
 #include "rpc/names.h"
 #include "rpc/rest_shape.h"
 #include "rpc/unary.h"
@@ -112,7 +113,8 @@ class ExportParts {
 
 grpc::ServerReadReactor<grpc::ByteBuffer>* GroomService::CreateGroom(
     grpc::CallbackServerContext* /*context*/, grpc::ByteBuffer* response) {
-  return uploads_.Start(response);
+  return uploads_.Start(std::make_unique<UploadOf<v1::CreateGroomRequest, GroomUpload>>(library_),
+                        response);
 }
 
 grpc::ServerUnaryReactor* GroomService::GetGroom(grpc::CallbackServerContext* context,

@@ -3,8 +3,8 @@
 #include <grpcpp/grpcpp.h>
 
 #include "mane/v1/groom.grpc.pb.h"
-#include "rpc/create_groom.h"
 #include "rpc/groom_library.h"
+#include "rpc/uploads.h"
 
 namespace mane::rpc {
 
@@ -18,15 +18,12 @@ using GroomServiceBase = v1::GroomService::WithRawCallbackMethod_CreateGroom<
                         v1::GroomService::Service>>>>>>>;
 
 /// mane.v1.GroomService over a GroomLibrary. Quick work runs on `requests`; uploads and rest
-/// shapes, which may take a minute, on `solving`.
+/// shapes, which may take a minute, on `solving`, which is that of `uploads` too.
 class GroomService final : public GroomServiceBase {
  public:
   GroomService(GroomLibrary& library, exec::WorkerPool& requests, exec::WorkerPool& solving,
-               const UploadLimits& limits)
-      : library_(library),
-        requests_(requests),
-        solving_(solving),
-        uploads_(library, solving, limits) {}
+               Uploads& uploads)
+      : library_(library), requests_(requests), solving_(solving), uploads_(uploads) {}
 
   grpc::ServerReadReactor<grpc::ByteBuffer>* CreateGroom(grpc::CallbackServerContext* context,
                                                          grpc::ByteBuffer* response) override;
@@ -52,7 +49,7 @@ class GroomService final : public GroomServiceBase {
   GroomLibrary& library_;
   exec::WorkerPool& requests_;
   exec::WorkerPool& solving_;
-  Uploads uploads_;
+  Uploads& uploads_;
 };
 
 }  // namespace mane::rpc

@@ -146,7 +146,15 @@ Result<void> GroomUpload::AddMesh(const v1::TriangleMesh& piece) {
   return {};
 }
 
-Result<storage::GroomRecord> GroomUpload::Finish(const std::atomic<bool>& cancelled) {
+Result<v1::Groom> GroomUpload::Finish(const std::atomic<bool>& cancelled) {
+  const auto record = Create(cancelled);
+  if (!record) return record.error();
+  v1::Groom groom;
+  FromRecord(*record, &groom);
+  return groom;
+}
+
+Result<storage::GroomRecord> GroomUpload::Create(const std::atomic<bool>& cancelled) {
   if (!header_.request_id().empty()) {
     const auto earlier = library_.store().FindByRequestId(header_.request_id());
     if (!earlier) return earlier.error();

@@ -22,9 +22,10 @@ class GroomUpload {
   Result<bool> Add(const v1::CreateGroomRequest& request);
   /// All messages are in: generates or imports guides if asked to, and creates the groom.
   /// kCancelled soon after `cancelled` is set while distance fields are made or strands imported.
-  Result<storage::GroomRecord> Finish(const std::atomic<bool>& cancelled);
+  Result<v1::Groom> Finish(const std::atomic<bool>& cancelled);
 
  private:
+  Result<storage::GroomRecord> Create(const std::atomic<bool>& cancelled);
   Result<void> AddHeader(const v1::CreateGroomHeader& header);
   Result<void> AddGuides(const v1::GuideBatch& batch);
   Result<void> AddStrands(const v1::StrandBatch& batch);

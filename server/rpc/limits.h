@@ -7,7 +7,7 @@
 
 namespace mane::rpc {
 
-/// CreateGroom calls that may be under way at once.
+/// Uploading calls that may be under way at once.
 inline constexpr int kMaxUploads = 16;
 /// How long an upload may wait for its client's next message [s].
 inline constexpr double kMaxUploadIdle = 30;

@@ -15,6 +15,7 @@
 #include "rpc/credentials.h"
 #include "rpc/groom_service.h"
 #include "rpc/job_service.h"
+#include "rpc/uploads.h"
 #include "session/registry.h"
 #include "storage/data_folder.h"
 
@@ -53,8 +54,8 @@ class RunningServer final : public Server {
         registry_(
             {options.max_heads, options.resume_grace_s, kElementStepsPerWorker * options.workers},
             realtime_, lockstep_),
-        groom_service_(grooms_, requests_, solving_,
-                       {options.max_uploads, options.max_upload_idle_s}),
+        uploads_(solving_, {options.max_uploads, options.max_upload_idle_s}),
+        groom_service_(grooms_, requests_, solving_, uploads_),
         animation_service_(grooms_, registry_, requests_, options.resume_grace_s),
         job_service_(queue_, requests_),
         bake_service_(grooms_, queue_, *job_store_, solving_, requests_) {}
@@ -146,6 +147,7 @@ class RunningServer final : public Server {
   GroomLibrary grooms_;
   jobs::Queue queue_;
   session::Registry registry_;
+  Uploads uploads_;
   GroomService groom_service_;
   AnimationService animation_service_;
   JobService job_service_;

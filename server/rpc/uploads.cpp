@@ -1,4 +1,4 @@
-#include "rpc/create_groom.h"
+#include "rpc/uploads.h"
 
 #include <grpcpp/alarm.h>
 
@@ -8,9 +8,6 @@
 #include <utility>
 
 #include "base/clock.h"
-#include "rpc/convert_groom.h"
-#include "rpc/groom_upload.h"
-#include "rpc/raw.h"
 #include "rpc/status.h"
 
 namespace mane::rpc {
@@ -19,8 +16,8 @@ namespace mane::rpc {
 class Uploads::Call final : public grpc::ServerReadReactor<grpc::ByteBuffer>,
                             public std::enable_shared_from_this<Call> {
  public:
-  Call(Uploads& uploads, grpc::ByteBuffer* response)
-      : uploads_(uploads), upload_(uploads.library_), response_(response) {}
+  Call(Uploads& uploads, std::unique_ptr<Upload> upload, grpc::ByteBuffer* response)
+      : uploads_(uploads), upload_(std::move(upload)), response_(response) {}
 
   void Begin() {
     self_ = shared_from_this();
@@ -72,11 +69,7 @@ class Uploads::Call final : public grpc::ServerReadReactor<grpc::ByteBuffer>,
   }
 
   void Take() {
-    v1::CreateGroomRequest request;
-    if (const auto parsed = Parse(&incoming_, &request); !parsed) {
-      return End(ToStatus(parsed.error()));
-    }
-    const Result<bool> last = upload_.Add(request);
+    const Result<bool> last = upload_->Add(&incoming_);
     if (!last) return End(ToStatus(last.error()));
     if (*last) return Complete();
     Read();
@@ -84,11 +77,9 @@ class Uploads::Call final : public grpc::ServerReadReactor<grpc::ByteBuffer>,
 
   void Complete() {
     if (cancelled_) return End(grpc::Status::CANCELLED);
-    const auto record = upload_.Finish(cancelled_);
-    if (!record) return End(ToStatus(record.error()));
-    v1::Groom groom;
-    FromRecord(*record, &groom);
-    *response_ = Serialize(groom);
+    const auto answer = upload_->Finish(cancelled_);
+    if (!answer) return End(ToStatus(answer.error()));
+    *response_ = *answer;
     End(grpc::Status::OK);
   }
 
@@ -126,7 +117,7 @@ class Uploads::Call final : public grpc::ServerReadReactor<grpc::ByteBuffer>,
   }
 
   Uploads& uploads_;
-  GroomUpload upload_;
+  const std::unique_ptr<Upload> upload_;
   grpc::ByteBuffer incoming_;
   grpc::ByteBuffer* const response_;
   std::atomic<bool> cancelled_ = false;
@@ -144,7 +135,8 @@ class Uploads::Refusal final : public grpc::ServerReadReactor<grpc::ByteBuffer> 
   void OnDone() override { delete this; }
 };
 
-grpc::ServerReadReactor<grpc::ByteBuffer>* Uploads::Start(grpc::ByteBuffer* response) {
+grpc::ServerReadReactor<grpc::ByteBuffer>* Uploads::Start(std::unique_ptr<Upload> upload,
+                                                          grpc::ByteBuffer* response) {
   if (++under_way_ > limits_.max_uploads) {
     --under_way_;
     return new Refusal({ErrorCode::kResourceExhausted,
@@ -153,7 +145,7 @@ grpc::ServerReadReactor<grpc::ByteBuffer>* Uploads::Start(grpc::ByteBuffer* resp
                                     limits_.max_uploads),
                         ""});
   }
-  const auto call = std::make_shared<Call>(*this, response);
+  const auto call = std::make_shared<Call>(*this, std::move(upload), response);
   call->Begin();
   return call.get();
 }
