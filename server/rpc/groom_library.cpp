@@ -14,7 +14,6 @@
 namespace mane::rpc {
 namespace {
 
-constexpr size_t kAll = std::numeric_limits<size_t>::max();
 constexpr double kNoWork = std::numeric_limits<double>::infinity();
 
 int64_t NowNanoseconds() {
@@ -36,9 +35,7 @@ std::string EncodeContent(const groom::Groom& groom,
     FromEllipsoid(*ellipsoid, stored.mutable_ellipsoid());
   }
   for (const groom::Body& body : groom.bodies) {
-    v1::Body* message = stored.add_bodies();
-    FromBody(body, message);
-    if (const auto* mesh = MeshOf(body)) FromBodyMesh(*mesh, 0, kAll, message->mutable_mesh());
+    FromWholeBody(body, stored.add_bodies());
   }
   if (groom.scalp_friction) {
     FromScalpFriction(*groom.scalp_friction, stored.mutable_scalp_contact());
@@ -87,19 +84,24 @@ Result<groom::Parts> DecodeContent(const storage::GroomRecord& record,
 
 }  // namespace
 
+Result<std::shared_ptr<head::Bodies>> GroomLibrary::MakeShapes(const groom::Parts& parts,
+                                                               const base::Cancelled& cancelled) {
+  groom::Groom groom;
+  groom.bodies = parts.bodies;
+  groom.scalp_friction = parts.scalp_friction;
+  if (groom.scalp_friction) groom.scalp = parts.scalp;
+  return bodies_.MakeShapes(groom, cancelled);
+}
+
 Result<StoredContact> GroomLibrary::PrepareContact(const groom::Parts& parts,
                                                    const base::Cancelled& cancelled) {
   if (parts.bodies.empty() && !parts.scalp_friction) return StoredContact();
   const auto valid =
       groom::ValidateBodies(parts.bodies, parts.scalp_friction, parts.scalp, limits_);
   if (!valid) return valid.error();
-  groom::Groom groom;
-  groom.bodies = parts.bodies;
-  groom.scalp_friction = parts.scalp_friction;
-  if (groom.scalp_friction) groom.scalp = parts.scalp;
-  const auto bodies = bodies_.MakeShapes(groom, cancelled);
+  const auto bodies = MakeShapes(parts, cancelled);
   if (!bodies) return bodies.error();
-  return DescribeContact(groom, bodies->get());
+  return DescribeContact(parts, bodies->get());
 }
 
 Result<storage::GroomRecord> GroomLibrary::Create(Draft draft) {

@@ -132,18 +132,7 @@ Result<void> GroomUpload::AddMesh(const v1::TriangleMesh& piece) {
   if (header_.has_ellipsoid()) {
     return InvalidArgument("scalp_mesh", "a scalp_mesh was sent although header.ellipsoid is set");
   }
-  if (const auto ok = AppendMesh(piece, &mesh_); !ok) return ok;
-  const groom::Limits& limits = library_.limits();
-  if (mesh_.vertices.size() > static_cast<size_t>(limits.max_vertices)) {
-    return groom::TooMany("scalp_mesh.vertices", "vertices",
-                          static_cast<long>(mesh_.vertices.size()), limits.max_vertices);
-  }
-  const size_t triangles = std::max(mesh_.triangles.size(), mesh_.hair_triangles.size());
-  if (triangles > static_cast<size_t>(limits.max_triangles)) {
-    return groom::TooMany("scalp_mesh.triangles", "triangles", static_cast<long>(triangles),
-                          limits.max_triangles);
-  }
-  return {};
+  return AppendScalpMesh(piece, library_.limits(), &mesh_);
 }
 
 Result<v1::Groom> GroomUpload::Finish(const std::atomic<bool>& cancelled) {
@@ -173,7 +162,8 @@ Result<storage::GroomRecord> GroomUpload::Create(const std::atomic<bool>& cancel
   }
   draft.parts.bodies = bodies_.Take();
   draft.parts.scalp_friction = scalp_friction_;
-  auto contact = library_.PrepareContact(draft.parts, [&cancelled] { return cancelled.load(); });
+  const base::Cancelled is_cancelled = [&cancelled] { return cancelled.load(); };
+  auto contact = library_.PrepareContact(draft.parts, is_cancelled);
   if (!contact) return contact.error();
   draft.contact = *std::move(contact);
   if (header_.has_generate() && header_.has_import_options()) {
@@ -184,7 +174,7 @@ Result<storage::GroomRecord> GroomUpload::Create(const std::atomic<bool>& cancel
     if (strands_.empty()) {
       return InvalidArgument("strands", "strands is empty; header.import_options is set for them");
     }
-    auto import = groom::ImportStrands(strands_, import_options_, library_.pool(), cancelled);
+    auto import = groom::ImportStrands(strands_, import_options_, library_.pool(), is_cancelled);
     if (!import) return import.error();
     FromImport(import_options_, import->outcomes, &draft.import_report.emplace());
     draft.parts.guides = std::move(import->guides);
