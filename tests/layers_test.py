@@ -65,6 +65,7 @@ LIBRARIES = {
     "gtest": ("gtest/", "gmock/"),
     "xxhash": ("xxhash.h",),
     "embree": ("embree3/",),
+    "png": ("png.h",),
     "intrinsics": ("arm_neon.h", "immintrin.h"),
     "posix": (
         *("sys/", "netinet/", "arpa/"),
