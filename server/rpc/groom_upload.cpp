@@ -40,6 +40,9 @@ Result<bool> GroomUpload::Add(const v1::CreateGroomRequest& request) {
     case v1::CreateGroomRequest::kBody:
       added = bodies_.Add(request.body());
       break;
+    case v1::CreateGroomRequest::kHairs:
+      added = hairs_.Add(request.hairs());
+      break;
     case v1::CreateGroomRequest::kCommit:
       return true;
     case v1::CreateGroomRequest::PART_NOT_SET:
@@ -146,6 +149,11 @@ Result<void> GroomUpload::AddMesh(const v1::TriangleMesh& piece) {
   return {};
 }
 
+size_t GroomUpload::GuideCount() const {
+  if (header_.has_import_options()) return strands_.size();
+  return header_.has_generate() ? header_.generate().guide_count() : guides_.size();
+}
+
 Result<storage::GroomRecord> GroomUpload::Finish(const std::atomic<bool>& cancelled) {
   if (!header_.request_id().empty()) {
     const auto earlier = library_.store().FindByRequestId(header_.request_id());
@@ -163,6 +171,9 @@ Result<storage::GroomRecord> GroomUpload::Finish(const std::atomic<bool>& cancel
   } else if (!mesh_.vertices.empty() || !mesh_.triangles.empty()) {
     draft.parts.scalp = std::move(mesh_);
   }
+  auto hairs = hairs_.Take(header_.hair_offset_unit_m(), GuideCount());
+  if (!hairs) return hairs.error();
+  draft.parts.hairs = *std::move(hairs);
   draft.parts.bodies = bodies_.Take();
   draft.parts.scalp_friction = scalp_friction_;
   auto contact = library_.PrepareContact(draft.parts, [&cancelled] { return cancelled.load(); });
