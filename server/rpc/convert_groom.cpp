@@ -164,6 +164,9 @@ void FromRecord(const storage::GroomRecord& record, v1::Groom* message) {
   if (!record.import_summary.empty()) {
     message->mutable_import_summary()->ParseFromString(record.import_summary);
   }
+  message->set_hair_count(record.hair_count);
+  message->set_hair_point_count(record.hair_point_count);
+  message->set_hair_offset_unit_m(record.hair_offset_unit_m);
   StoredContact contact;
   contact.ParseFromString(record.contact);
   message->set_body_count(static_cast<uint32_t>(contact.bodies_size()));

@@ -9,6 +9,7 @@
 #include "groom/validate_body.h"
 #include "rpc/convert_body.h"
 #include "rpc/convert_groom.h"
+#include "rpc/convert_hairs.h"
 #include "rpc/names.h"
 
 namespace mane::rpc {
@@ -39,6 +40,10 @@ std::string EncodeContent(const groom::Groom& groom,
   }
   if (groom.scalp_friction) {
     FromScalpFriction(*groom.scalp_friction, stored.mutable_scalp_contact());
+  }
+  if (groom.hairs != nullptr) {
+    FromHairs(*groom.hairs, 0, groom.hairs->count(), stored.mutable_hairs());
+    stored.set_hair_offset_unit_m(groom.hairs->offset_unit);
   }
   return stored.SerializeAsString();
 }
@@ -76,6 +81,12 @@ Result<groom::Parts> DecodeContent(const storage::GroomRecord& record,
     const auto friction = ToScalpFriction(stored.scalp_contact());
     if (!friction) return Damaged(record.id);
     parts.scalp_friction = *friction;
+  }
+  if (stored.has_hairs()) {
+    const auto hairs = std::make_shared<groom::Hairs>();
+    hairs->offset_unit = stored.hair_offset_unit_m();
+    if (!AppendHairs(stored.hairs(), hairs.get())) return Damaged(record.id);
+    parts.hairs = hairs;
   }
   parts.rest.resize(content.rest.size() / sizeof(double));
   std::memcpy(parts.rest.data(), content.rest.data(), parts.rest.size() * sizeof(double));
@@ -126,6 +137,11 @@ Result<storage::GroomRecord> GroomLibrary::Create(Draft draft) {
     record.import_summary = draft.import_report->summary().SerializeAsString();
   }
   record.contact = draft.contact.SerializeAsString();
+  if (g.hairs != nullptr) {
+    record.hair_count = static_cast<uint32_t>(g.hairs->count());
+    record.hair_point_count = g.hairs->places.size();
+    record.hair_offset_unit_m = g.hairs->offset_unit;
+  }
   const auto* rest = reinterpret_cast<const char*>(g.rest.data());
   auto stored = store_.Put(record, {EncodeContent(g, draft.import_report),
                                     std::string(rest, g.rest.size() * sizeof(double))});
@@ -216,8 +232,9 @@ Result<std::shared_ptr<const groom::Groom>> GroomLibrary::Read(const storage::Gr
   if (!parts) return parts.error();
   // Limits are for uploads: what is stored stays usable when they are lowered.
   constexpr int kNone = std::numeric_limits<int>::max();
-  return groom::Assemble(*std::move(parts),
-                         {kNone, kNone, kNone, kNoWork, kNone, kNone, kNone, kNone, kNone}, &pool_);
+  return groom::Assemble(
+      *std::move(parts),
+      {kNone, kNone, kNone, kNoWork, kNone, kNone, kNone, kNone, kNone, kNone, kNone}, &pool_);
 }
 
 }  // namespace mane::rpc

@@ -40,6 +40,9 @@ Result<bool> GroomUpload::Add(const v1::CreateGroomRequest& request) {
     case v1::CreateGroomRequest::kBody:
       added = bodies_.Add(request.body());
       break;
+    case v1::CreateGroomRequest::kHairs:
+      added = hairs_.Add(request.hairs());
+      break;
     case v1::CreateGroomRequest::kCommit:
       return true;
     case v1::CreateGroomRequest::PART_NOT_SET:
@@ -135,6 +138,11 @@ Result<void> GroomUpload::AddMesh(const v1::TriangleMesh& piece) {
   return AppendScalpMesh(piece, library_.limits(), &mesh_);
 }
 
+size_t GroomUpload::GuideCount() const {
+  if (header_.has_import_options()) return strands_.size();
+  return header_.has_generate() ? header_.generate().guide_count() : guides_.size();
+}
+
 Result<v1::Groom> GroomUpload::Finish(const std::atomic<bool>& cancelled) {
   const auto record = Create(cancelled);
   if (!record) return record.error();
@@ -160,6 +168,9 @@ Result<storage::GroomRecord> GroomUpload::Create(const std::atomic<bool>& cancel
   } else if (!mesh_.vertices.empty() || !mesh_.triangles.empty()) {
     draft.parts.scalp = std::move(mesh_);
   }
+  auto hairs = hairs_.Take(header_.hair_offset_unit_m(), GuideCount());
+  if (!hairs) return hairs.error();
+  draft.parts.hairs = *std::move(hairs);
   draft.parts.bodies = bodies_.Take();
   draft.parts.scalp_friction = scalp_friction_;
   const base::Cancelled is_cancelled = [&cancelled] { return cancelled.load(); };

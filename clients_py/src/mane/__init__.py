@@ -44,6 +44,7 @@ from mane.groom import (
     StrandModel,
     frame_along,
 )
+from mane.hairs import Hairs
 from mane.heads import LockstepHead, RealtimeHead
 from mane.jobs import Job, JobState
 from mane.mesh import Mesh
@@ -75,6 +76,7 @@ __all__ = [
     "GuideGeneration",
     "HairProperties",
     "HairType",
+    "Hairs",
     "ImportOptions",
     "ImportReport",
     "ImportSummary",
