@@ -71,7 +71,7 @@ def test_hairs_are_where_they_were_modelled_and_go_with_every_frame(client, form
     made, curves = wisps(client, guides)
     groom = client.create_groom(guides, hairs=made)
     value = client.export_groom(groom).hairs
-    poses = list(shake(0.5))
+    poses = list(shake(0.5).poses())
     frames = {}
     for space in mane.Space:
         with client.open_head(

@@ -128,9 +128,7 @@ def test_root_frames_turn_with_the_head():
 def test_batches_are_whole_hairs_within_the_servers_limit():
     rng = np.random.default_rng(5)
     counts = rng.integers(2, 1001, 1000)
-    value = hairs.Hairs(
-        np.zeros(1000), counts, np.zeros(counts.sum()), np.zeros((counts.sum(), 3))
-    )
+    value = hairs.Hairs(np.zeros(1000), counts, np.zeros(counts.sum()), np.zeros((counts.sum(), 3)))
     batches = list(hair_messages.batches(value))
     assert len(batches) > 5 and max(batch.ByteSize() for batch in batches) < 1 << 20
     for batch in batches:
