@@ -48,7 +48,7 @@ TEST(DensityFieldTest, TheSolidIsOneInsideAndNothingOutside) {
   math::RandomStream random(1, 0);
   int inside = 0, near = 0;
   for (int i = 0; i < 20000; ++i) {
-    const Vector3f x = RandomPoint(&random, 0.2);
+    const Vector3f x = RandomPoint(&random, 0.13);
     const double d = DistanceTo(kHead, x.cast<double>()).distance;
     const float rho = field.At(x);
     // A cell's diagonal is sqrt(3) cells, and its nodes mix half a cell on either side.

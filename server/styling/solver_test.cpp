@@ -164,7 +164,8 @@ TEST(SolverTest, StifferHairDroopsLess) {
     EXPECT_GT(tip, before) << kappa;
     before = tip;
   }
-  EXPECT_NEAR(before, 0, 0.002);
+  // Joint k turns by 1 / kappa: the tip sinks by l (1 + 2 + ... + 20) / kappa.
+  EXPECT_NEAR(before, -0.01 * 210 / 1000, 1e-5);
 }
 
 TEST(SolverTest, OneJointIsTheClosedForm) {
@@ -183,10 +184,8 @@ TEST(SolverTest, AWispThatIsTooDenseAloneGoesWhereItWould) {
   for (float& strands : thick.input.strands) strands = 1e5f;
   Solve(&thin);
   const Deformed solved = Solve(&thick);
-  EXPECT_EQ(solved.report.dense_segments, 20);
-  for (size_t j = 0; j < thin.masters.outline.size(); ++j) {
-    EXPECT_LT((thin.masters.outline[j] - thick.masters.outline[j]).norm(), 0.03f) << j;
-  }
+  EXPECT_EQ(solved.report.dense_segments, 0);
+  EXPECT_EQ(thin.masters.outline, thick.masters.outline);
 }
 
 TEST(SolverTest, AnyNumberOfWorkersMakesTheSameBits) {
