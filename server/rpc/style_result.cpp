@@ -8,6 +8,7 @@
 
 #include "rpc/convert_values.h"
 #include "styling/colour.h"
+#include "styling/force_field.h"
 #include "styling/map.h"
 #include "styling/png_image.h"
 
@@ -15,7 +16,8 @@ namespace mane::rpc {
 namespace {
 
 constexpr size_t kBytesPerPart = 512 * 1024;
-constexpr int kMapSize = 512;  // Pixels.
+constexpr int kMapSize = 512;    // Pixels.
+constexpr int kFieldNodes = 65;  // Along an axis, at most.
 
 template <typename Entry>
 void Append(const Entry& entry, std::string* bytes) {
@@ -94,6 +96,28 @@ Result<void> WriteDensity(const styling::DensityField& density, PartWriter* writ
   return {};
 }
 
+Result<void> WriteField(const styling::Style& style, const styling::GridBox& density,
+                        PartWriter* writer) {
+  const Eigen::Vector3d size = density.cell * (density.nodes.cast<double>().array() - 1);
+  const double cell = std::max<double>(density.cell, size.maxCoeff() / (kFieldNodes - 1));
+  const Eigen::Vector3i nodes =
+      (size / cell).array().ceil().cast<int>().matrix().cwiseMin(kFieldNodes - 1).array() + 1;
+  const Eigen::Vector3d low = density.low.cast<double>();
+  const auto values = styling::ForceField(style.field).Sample(low, cell, nodes);
+  constexpr size_t kVectors = kBytesPerPart / sizeof(Eigen::Vector3f);
+  for (size_t begin = 0; begin < values.size(); begin += kVectors) {
+    v1::StylingField::Grid* message = writer->part.mutable_field();
+    FromVector(low, message->mutable_low());
+    message->set_cell_m(cell);
+    message->set_nodes_x(static_cast<uint32_t>(nodes.x()));
+    message->set_nodes_y(static_cast<uint32_t>(nodes.y()));
+    message->set_nodes_z(static_cast<uint32_t>(nodes.z()));
+    FromEntries(values, begin, kVectors, message->mutable_values());
+    if (const auto ok = writer->Write(); !ok) return ok;
+  }
+  return {};
+}
+
 Result<void> WriteMaps(const styling::Style& style, PartWriter* writer) {
   const std::pair<const char*, const styling::ScalpMap*> maps[] = {
       {"density", &style.density}, {"length", &style.length}, {"protrusion", &style.protrusion}};
@@ -142,6 +166,7 @@ Result<void> WriteHairstyle(const styling::Style& style, const styling::Hairstyl
   const auto members = WriteMembers(hairstyle.roots, hairstyle.members, hairstyle.colours, &writer);
   if (!members) return members;
   if (const auto ok = WriteDensity(*hairstyle.density, &writer); !ok) return ok;
+  if (const auto ok = WriteField(style, hairstyle.density->box(), &writer); !ok) return ok;
   return WriteMaps(style, &writer);
 }
 

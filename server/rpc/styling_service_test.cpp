@@ -94,18 +94,28 @@ TEST_F(StylingServiceTest, AStyleBecomesAGroomAndSurvivesARestart) {
   grpc::Status status;
   const auto parts = Read(job.name(), &status);
   ASSERT_TRUE(status.ok());
-  size_t members = 0, masters = 0, maps = 0, nodes = 0;
+  size_t members = 0, masters = 0, maps = 0, nodes = 0, vectors = 0, field_nodes = 0;
   for (const v1::HairstylePart& part : parts) {
     EXPECT_LT(part.ByteSizeLong(), 1U << 20);
     members += part.members().wisps().size() / 4;
     masters += part.masters().lengths().size() / 4;
     maps += part.has_map() ? 1 : 0;
     nodes += part.density().values().size() / 4;
+    if (!part.has_field()) continue;
+    const auto& field = part.field();
+    field_nodes = size_t{field.nodes_x()} * field.nodes_y() * field.nodes_z();
+    for (size_t at = 0; at < field.values().size(); at += 12, ++vectors) {
+      float v[3];
+      std::memcpy(v, field.values().data() + at, sizeof(v));
+      EXPECT_EQ(v[1], -1);  // Gravity of strength 1.
+    }
   }
   EXPECT_EQ(members, 60U);
   EXPECT_EQ(masters, 12U);
   EXPECT_EQ(maps, 3U);
   EXPECT_GT(nodes, 1000U);
+  EXPECT_GT(vectors, 1000U);
+  EXPECT_EQ(vectors, field_nodes);
   ASSERT_TRUE(parts.back().has_report());
   EXPECT_EQ(parts.back().report().groom(), "grooms/styled");
   EXPECT_EQ(parts.back().report().strand_count(), 60U);
