@@ -36,7 +36,7 @@ FOLDERS = {
     "rod": Folder(("math", "simd"), ("Eigen",), pure=True),
     "contact": Folder(("rod", "exec"), ("Eigen", "fmt"), ("xxhash", "embree")),
     "wire": Folder(("math",), ("Eigen",), pure=True),
-    "groom": Folder(("rod", "exec"), ("Eigen", "fmt"), ("xxhash",)),
+    "groom": Folder(("rod", "exec", "wire"), ("Eigen", "fmt"), ("xxhash",)),
     "styling": Folder(("groom", "contact"), ("Eigen", "fmt"), ("png",)),
     "head": Folder(("groom", "contact", "exec", "wire"), ("Eigen", "fmt")),
     "session": Folder(("head",), ("Eigen", "fmt"), ("spdlog", "posix")),
@@ -65,6 +65,7 @@ LIBRARIES = {
     "gtest": ("gtest/", "gmock/"),
     "xxhash": ("xxhash.h",),
     "embree": ("embree3/",),
+    "png": ("png.h",),
     "intrinsics": ("arm_neon.h", "immintrin.h"),
     "posix": (
         *("sys/", "netinet/", "arpa/"),

@@ -49,6 +49,10 @@ Result<void> Validate(const Parts& parts, const Limits& limits) {
     return InvalidArgument("rest", fmt::format("rest holds {} numbers; it must hold {}, all finite",
                                                parts.rest.size(), coordinates));
   }
+  if (parts.hairs != nullptr && parts.hairs->count() > 0) {
+    const int guides = static_cast<int>(parts.guides.size());
+    if (auto hairs = ValidateHairs(*parts.hairs, guides, limits); !hairs) return hairs;
+  }
   if (auto scalp = ValidateScalp(parts.scalp, limits); !scalp) return scalp;
   return ValidateBodies(parts.bodies, parts.scalp_friction, parts.scalp, limits);
 }
@@ -66,6 +70,7 @@ Result<std::shared_ptr<const Groom>> Assemble(Parts parts, const Limits& limits,
   groom->guides = std::move(parts.guides);
   groom->bodies = std::move(parts.bodies);
   groom->scalp_friction = parts.scalp_friction;
+  if (parts.hairs != nullptr && parts.hairs->count() > 0) groom->hairs = std::move(parts.hairs);
   groom->has_contact =
       !groom->bodies.empty() || groom->scalp_friction ||
       std::ranges::any_of(groom->guides, [](const Guide& guide) { return guide.wisp_radius > 0; });

@@ -24,6 +24,7 @@ struct Parts {
   std::vector<Guide> guides;  ///< Made by MakeGuide or Generate.
   std::vector<Body> bodies;   ///< Made by MakeBody.
   std::optional<Friction> scalp_friction;
+  std::shared_ptr<const Hairs> hairs;  ///< Null, or without any, for none.
   /// Groom::rest as an earlier Assemble of the same guides found it, (coordinates of all guides);
   /// empty to solve it.
   std::vector<double> rest;
@@ -36,8 +37,9 @@ struct Parts {
 /// @param pool  shares out the guides; null solves on the calling thread. The bits do not depend on
 ///              it.
 /// @return RESOURCE_EXHAUSTED above `limits`; INVALID_ARGUMENT naming `guides` when there is none,
-///         `header.display_name`, a field of the scalp (ValidateScalp) or of what hair meets
-///         (ValidateBodies), or `rest` when it does not fit the guides or is not finite.
+///         `header.display_name`, a field of the scalp (ValidateScalp), of what hair meets
+///         (ValidateBodies) or of hairs (ValidateHairs), or `rest` when it does not fit the guides
+///         or is not finite.
 ///
 /// A guide for which the search stops short of equilibrium keeps the shape of least energy that it
 /// found: they are where a head starts, and the motion settles from there.

@@ -130,6 +130,18 @@ void AddContact(const Groom& groom, Hasher* hasher) {
   for (const Body& body : groom.bodies) AddBody(body, hasher);
 }
 
+// Nothing where there are none, as above.
+void AddHairs(const Groom& groom, Hasher* hasher) {
+  if (groom.hairs == nullptr) return;
+  static_assert(sizeof(wire::HairPlace) == 8 && sizeof(std::array<uint8_t, 3>) == 3);
+  hasher->AddList(std::string_view("hairs"));
+  hasher->Add(groom.hairs->offset_unit);
+  hasher->AddList(groom.hairs->guides);
+  hasher->AddList(groom.hairs->first_point);
+  hasher->AddList(groom.hairs->places);
+  hasher->AddList(groom.hairs->colours);
+}
+
 }  // namespace
 
 std::string Digest(const Groom& groom) {
@@ -141,6 +153,7 @@ std::string Digest(const Groom& groom) {
   hasher.Add(uint64_t{groom.guides.size()});
   for (const Guide& guide : groom.guides) AddGuide(guide, &hasher);
   AddContact(groom, &hasher);
+  AddHairs(groom, &hasher);
   return hasher.Hex();
 }
 

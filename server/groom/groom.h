@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "groom/body.h"
+#include "groom/hairs.h"
 #include "math/rigid.h"
 #include "rod/batch.h"
 #include "rod/strand.h"
@@ -69,6 +71,8 @@ struct Groom {
   /// Whether hair meets the scalp itself, and how it rubs there; the scalp counts as a body fixed
   /// to the head.
   std::optional<Friction> scalp_friction;
+  /// That ride on the guides, at least one; null for none. Heads do not look at them.
+  std::shared_ptr<const Hairs> hairs;
 
   // Derived by Assemble().
   /// Whether its hair meets anything: a body, the scalp, or other wisps.

@@ -257,19 +257,19 @@ double ImportCost(size_t points, const ImportOptions& options) {
 }
 
 Result<Import> ImportStrands(std::span<const ImportedStrand> strands, const ImportOptions& options,
-                             exec::WorkerPool& pool, const std::atomic<bool>& cancelled) {
+                             exec::WorkerPool& pool, const base::Cancelled& cancelled) {
   const int n = static_cast<int>(strands.size());
   std::vector<std::optional<Result<ImportedGuide>>> imported(n);
   // After a failure only strands before it go on, so that always the first one is named.
   std::atomic<int> first_failed = n;
   pool.ParallelFor(n, 1, [&](int i, int) {
-    if (cancelled || i > first_failed) return;
+    if (base::IsCancelled(cancelled) || i > first_failed) return;
     imported[i] = ImportStrand(strands[i], options, i);
     if (imported[i]->has_value()) return;
     for (int first = first_failed; i < first && !first_failed.compare_exchange_weak(first, i);) {
     }
   });
-  if (cancelled) return Error{ErrorCode::kCancelled, "the import was cancelled", ""};
+  if (base::IsCancelled(cancelled)) return Error{ErrorCode::kCancelled, "the import was cancelled", ""};
   if (const int i = first_failed; i < n) {
     const Error& error = imported[i]->error();
     return Error{error.code,

@@ -3,12 +3,12 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include <atomic>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "base/cancelled.h"
 #include "base/result.h"
 #include "exec/worker_pool.h"
 #include "groom/groom.h"
@@ -98,12 +98,12 @@ struct Import {
 /// Every strand is a piece of work of its own on `pool`. Same arguments, same bits.
 ///
 /// @param strands    valid for `options`.
-/// @param cancelled  looked at before every strand.
+/// @param cancelled  asked before every strand.
 /// @return INVALID_ARGUMENT naming `strands[<index>]` for the first that becomes no valid guide, of
 ///         which none is known: what would be out of a guide's range stays within it, and is not
 ///         held; CANCELLED. Limits are the caller's to check.
 [[nodiscard]] Result<Import> ImportStrands(std::span<const ImportedStrand> strands,
                                            const ImportOptions& options, exec::WorkerPool& pool,
-                                           const std::atomic<bool>& cancelled);
+                                           const base::Cancelled& cancelled = {});
 
 }  // namespace mane::groom

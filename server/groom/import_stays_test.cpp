@@ -47,8 +47,7 @@ Import ImportFamily(double max_stiffness_factor) {
   options.hair_type = HairType::kAsianSmooth;
   options.max_stiffness_factor = max_stiffness_factor;
   exec::WorkerPool pool(2);
-  const std::atomic<bool> cancelled = false;
-  return *ImportStrands(Family(), options, pool, cancelled);
+  return *ImportStrands(Family(), options, pool);
 }
 
 // Largest distance of an element end from where it starts, over the length, strand by strand, in

@@ -78,8 +78,7 @@ std::vector<ImportedStrand> HairAtRest(HairType type, double length, int guides,
 Result<Import> ImportAll(const std::vector<ImportedStrand>& strands, const ImportOptions& options,
                          int workers = 2) {
   exec::WorkerPool pool(workers);
-  const std::atomic<bool> cancelled = false;
-  return ImportStrands(strands, options, pool, cancelled);
+  return ImportStrands(strands, options, pool);
 }
 
 ImportOptions OptionsFor(HairType type) {
@@ -398,9 +397,8 @@ TEST(ImportTest, WorkersDoNotChangeABit) {
 
 TEST(ImportTest, StopsWhenCancelled) {
   exec::WorkerPool pool(2);
-  const std::atomic<bool> cancelled = true;
   const auto import = ImportStrands(std::vector(3, Straight()), OptionsFor(HairType::kAsianSmooth),
-                                    pool, cancelled);
+                                    pool, [] { return true; });
   ASSERT_FALSE(import);
   EXPECT_EQ(import.error().code, ErrorCode::kCancelled);
 }

@@ -28,6 +28,11 @@ struct Limits {
   int max_body_vertices = 500'000;
   /// Triangles of all body meshes together, >= 0; 12 bytes each.
   int max_body_triangles = 1'000'000;
+  /// Hairs that ride on the guides, >= 0; 14 bytes each.
+  int max_hairs = 1'000'000;
+  /// Control points of all hairs together, >= 0; 8 bytes each. An upload of this size holds 320 MB
+  /// while it comes, and three times that while it is stored.
+  int max_hair_points = 40'000'000;
 };
 
 }  // namespace mane::groom

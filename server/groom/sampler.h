@@ -1,20 +1,12 @@
 #pragma once
 
-#include <Eigen/Core>
-
 #include <cstdint>
 #include <vector>
 
 #include "groom/groom.h"
+#include "groom/hair_region.h"
 
 namespace mane::groom {
-
-/// A point of a scalp.
-struct ScalpPoint {
-  Eigen::Vector3d position;  ///< Head frame [m].
-  Eigen::Vector3d normal;    ///< Outward, unit: of the triangle's plane, or of the ellipsoid.
-  int triangle = -1;         ///< Index in the mesh; -1 on an ellipsoid.
-};
 
 /// Area of the hair region [m^2]; 0 without a scalp. Indices of a mesh must be in range.
 [[nodiscard]] double HairArea(const Scalp& scalp);

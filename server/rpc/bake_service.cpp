@@ -5,6 +5,7 @@
 
 #include "rpc/bake_job.h"
 #include "rpc/chunk_stream.h"
+#include "rpc/job_result.h"
 #include "rpc/job_service.h"
 #include "rpc/names.h"
 #include "rpc/unary.h"
@@ -19,18 +20,16 @@ constexpr size_t kMaxRequestId = 64;
 // The frames of a finished bake, one by one.
 class BakeFrames {
  public:
-  BakeFrames(storage::JobStore& store, std::string name) : store_(store), name_(std::move(name)) {}
+  BakeFrames(storage::JobStore& store, std::string name)
+      : chunks_(store, std::move(name), kKind) {}
 
   Result<std::optional<v1::HairFrame>> Next() {
-    if (chunk_count_ < 0) {
-      if (const auto ok = Find(); !ok) return ok.error();
-    }
     if (next_frame_ == chunk_.frames_size()) {
-      if (next_chunk_ == chunk_count_) return std::optional<v1::HairFrame>();
-      const auto bytes = store_.ReadResult(id_, next_chunk_++);
+      const auto bytes = chunks_.Next();
       if (!bytes) return bytes.error();
-      if (!chunk_.ParseFromString(*bytes) || chunk_.frames_size() == 0) {
-        return Error{ErrorCode::kInternal, "the stored result is damaged", ""};
+      if (!bytes->has_value()) return std::optional<v1::HairFrame>();
+      if (!chunk_.ParseFromString(**bytes) || chunk_.frames_size() == 0) {
+        return JobResult::Damaged();
       }
       next_frame_ = 0;
     }
@@ -38,28 +37,7 @@ class BakeFrames {
   }
 
  private:
-  Result<void> Find() {
-    const auto id = ParseName(name_, "jobs", "name");
-    if (!id) return id.error();
-    id_ = *id;
-    const auto job = store_.Get(id_);
-    if (!job) return job.error();
-    if (job->kind != kKind || job->state != storage::JobState::kSucceeded) {
-      return Error{ErrorCode::kFailedPrecondition,
-                   fmt::format("{} is no bake that succeeded; watch it until its state is "
-                               "SUCCEEDED",
-                               name_),
-                   "name"};
-    }
-    chunk_count_ = job->result_chunks;
-    return {};
-  }
-
-  storage::JobStore& store_;
-  const std::string name_;
-  std::string id_;
-  int64_t chunk_count_ = -1;  // Until the job is found.
-  int64_t next_chunk_ = 0;
+  JobResult chunks_;
   int next_frame_ = 0;
   BakeChunk chunk_;
 };

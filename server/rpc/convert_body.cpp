@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <limits>
 #include <utility>
 
 #include "groom/material.h"
@@ -136,6 +137,13 @@ void FromBodyMesh(const groom::Body::Mesh& mesh, size_t begin, size_t count,
   FromEntries(mesh.triangles, begin, count, message->mutable_triangles());
 }
 
+void FromWholeBody(const groom::Body& body, v1::Body* message) {
+  FromBody(body, message);
+  const groom::Body::Mesh* mesh = MeshOf(body);
+  if (mesh == nullptr) return;
+  FromBodyMesh(*mesh, 0, std::numeric_limits<size_t>::max(), message->mutable_mesh());
+}
+
 Result<groom::Friction> ToScalpFriction(const v1::ScalpContact& message) {
   const std::string path = "header.scalp_contact.";
   auto friction = ToFriction(message, path);
@@ -148,17 +156,17 @@ void FromScalpFriction(const groom::Friction& friction, v1::ScalpContact* messag
   FromFriction(friction, message);
 }
 
-StoredContact DescribeContact(const groom::Groom& groom, const head::Bodies* bodies) {
+StoredContact DescribeContact(const groom::Parts& parts, const head::Bodies* bodies) {
   StoredContact contact;
   if (bodies == nullptr) return contact;
   auto made = bodies->bodies.begin();
-  if (groom.scalp_friction) {
-    FromScalpFriction(*groom.scalp_friction, contact.mutable_scalp_contact());
+  if (parts.scalp_friction) {
+    FromScalpFriction(*parts.scalp_friction, contact.mutable_scalp_contact());
     if (const auto* field = head::FieldOf(*made++)) {
       FromField(*field, contact.mutable_scalp_contact()->mutable_mesh());
     }
   }
-  for (const groom::Body& body : groom.bodies) {
+  for (const groom::Body& body : parts.bodies) {
     v1::BodySummary* summary = contact.add_bodies();
     summary->set_name(body.name);
     summary->set_shape(ShapeKind(body));

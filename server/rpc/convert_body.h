@@ -3,6 +3,7 @@
 #include <string>
 
 #include "base/result.h"
+#include "groom/assemble.h"
 #include "groom/body.h"
 #include "groom/groom.h"
 #include "head/bodies.h"
@@ -36,13 +37,16 @@ void FromBody(const groom::Body& body, v1::Body* message);
 void FromBodyMesh(const groom::Body::Mesh& mesh, size_t begin, size_t count,
                   v1::TriangleMesh* message);
 
+/// The inverse of ToWholeBody.
+void FromWholeBody(const groom::Body& body, v1::Body* message);
+
 /// Friction of the scalp; kInvalidArgument names a field of `header.scalp_contact`.
 [[nodiscard]] Result<groom::Friction> ToScalpFriction(const v1::ScalpContact& message);
 void FromScalpFriction(const groom::Friction& friction, v1::ScalpContact* message);
 
-/// What a groom's description tells of its bodies.
+/// What the description of a groom of `parts` tells of its bodies.
 ///
-/// @param bodies  those of `groom`; null for none.
-[[nodiscard]] StoredContact DescribeContact(const groom::Groom& groom, const head::Bodies* bodies);
+/// @param bodies  those of `parts`; null for none.
+[[nodiscard]] StoredContact DescribeContact(const groom::Parts& parts, const head::Bodies* bodies);
 
 }  // namespace mane::rpc

@@ -82,6 +82,21 @@ Result<void> AppendMesh(const v1::TriangleMesh& message, groom::TriangleMesh* me
   return AppendBytes(message.hair_triangles(), "scalp_mesh.hair_triangles", &mesh->hair_triangles);
 }
 
+Result<void> AppendScalpMesh(const v1::TriangleMesh& message, const groom::Limits& limits,
+                             groom::TriangleMesh* mesh) {
+  if (const auto ok = AppendMesh(message, mesh); !ok) return ok;
+  if (mesh->vertices.size() > static_cast<size_t>(limits.max_vertices)) {
+    return groom::TooMany("scalp_mesh.vertices", "vertices", std::ssize(mesh->vertices),
+                          limits.max_vertices);
+  }
+  const size_t triangles = std::max(mesh->triangles.size(), mesh->hair_triangles.size());
+  if (triangles > static_cast<size_t>(limits.max_triangles)) {
+    return groom::TooMany("scalp_mesh.triangles", "triangles", static_cast<long>(triangles),
+                          limits.max_triangles);
+  }
+  return {};
+}
+
 void FromMesh(const groom::TriangleMesh& mesh, v1::TriangleMesh* message) {
   FromMeshPiece(mesh, 0, std::numeric_limits<size_t>::max(), message);
 }
@@ -149,6 +164,9 @@ void FromRecord(const storage::GroomRecord& record, v1::Groom* message) {
   if (!record.import_summary.empty()) {
     message->mutable_import_summary()->ParseFromString(record.import_summary);
   }
+  message->set_hair_count(record.hair_count);
+  message->set_hair_point_count(record.hair_point_count);
+  message->set_hair_offset_unit_m(record.hair_offset_unit_m);
   StoredContact contact;
   contact.ParseFromString(record.contact);
   message->set_body_count(static_cast<uint32_t>(contact.bodies_size()));

@@ -19,6 +19,9 @@ void FromDescription(const groom::GuideDescription& guide, v1::Guide* message);
 
 /// Appends a piece to `mesh`. kInvalidArgument for bytes that are no whole number of entries.
 Result<void> AppendMesh(const v1::TriangleMesh& message, groom::TriangleMesh* mesh);
+/// The same of a scalp that is being uploaded; kResourceExhausted above `limits`.
+Result<void> AppendScalpMesh(const v1::TriangleMesh& message, const groom::Limits& limits,
+                             groom::TriangleMesh* mesh);
 void FromMesh(const groom::TriangleMesh& mesh, v1::TriangleMesh* message);
 /// Of every list the entries from `begin` on, `count` of them at most.
 void FromMeshPiece(const groom::TriangleMesh& mesh, size_t begin, size_t count,

@@ -9,12 +9,12 @@
 #include "groom/validate_body.h"
 #include "rpc/convert_body.h"
 #include "rpc/convert_groom.h"
+#include "rpc/convert_hairs.h"
 #include "rpc/names.h"
 
 namespace mane::rpc {
 namespace {
 
-constexpr size_t kAll = std::numeric_limits<size_t>::max();
 constexpr double kNoWork = std::numeric_limits<double>::infinity();
 
 int64_t NowNanoseconds() {
@@ -36,12 +36,14 @@ std::string EncodeContent(const groom::Groom& groom,
     FromEllipsoid(*ellipsoid, stored.mutable_ellipsoid());
   }
   for (const groom::Body& body : groom.bodies) {
-    v1::Body* message = stored.add_bodies();
-    FromBody(body, message);
-    if (const auto* mesh = MeshOf(body)) FromBodyMesh(*mesh, 0, kAll, message->mutable_mesh());
+    FromWholeBody(body, stored.add_bodies());
   }
   if (groom.scalp_friction) {
     FromScalpFriction(*groom.scalp_friction, stored.mutable_scalp_contact());
+  }
+  if (groom.hairs != nullptr) {
+    FromHairs(*groom.hairs, 0, groom.hairs->count(), stored.mutable_hairs());
+    stored.set_hair_offset_unit_m(groom.hairs->offset_unit);
   }
   return stored.SerializeAsString();
 }
@@ -80,6 +82,12 @@ Result<groom::Parts> DecodeContent(const storage::GroomRecord& record,
     if (!friction) return Damaged(record.id);
     parts.scalp_friction = *friction;
   }
+  if (stored.has_hairs()) {
+    const auto hairs = std::make_shared<groom::Hairs>();
+    hairs->offset_unit = stored.hair_offset_unit_m();
+    if (!AppendHairs(stored.hairs(), hairs.get())) return Damaged(record.id);
+    parts.hairs = hairs;
+  }
   parts.rest.resize(content.rest.size() / sizeof(double));
   std::memcpy(parts.rest.data(), content.rest.data(), parts.rest.size() * sizeof(double));
   return parts;
@@ -87,19 +95,24 @@ Result<groom::Parts> DecodeContent(const storage::GroomRecord& record,
 
 }  // namespace
 
+Result<std::shared_ptr<head::Bodies>> GroomLibrary::MakeShapes(const groom::Parts& parts,
+                                                               const base::Cancelled& cancelled) {
+  groom::Groom groom;
+  groom.bodies = parts.bodies;
+  groom.scalp_friction = parts.scalp_friction;
+  if (groom.scalp_friction) groom.scalp = parts.scalp;
+  return bodies_.MakeShapes(groom, cancelled);
+}
+
 Result<StoredContact> GroomLibrary::PrepareContact(const groom::Parts& parts,
                                                    const base::Cancelled& cancelled) {
   if (parts.bodies.empty() && !parts.scalp_friction) return StoredContact();
   const auto valid =
       groom::ValidateBodies(parts.bodies, parts.scalp_friction, parts.scalp, limits_);
   if (!valid) return valid.error();
-  groom::Groom groom;
-  groom.bodies = parts.bodies;
-  groom.scalp_friction = parts.scalp_friction;
-  if (groom.scalp_friction) groom.scalp = parts.scalp;
-  const auto bodies = bodies_.MakeShapes(groom, cancelled);
+  const auto bodies = MakeShapes(parts, cancelled);
   if (!bodies) return bodies.error();
-  return DescribeContact(groom, bodies->get());
+  return DescribeContact(parts, bodies->get());
 }
 
 Result<storage::GroomRecord> GroomLibrary::Create(Draft draft) {
@@ -124,6 +137,11 @@ Result<storage::GroomRecord> GroomLibrary::Create(Draft draft) {
     record.import_summary = draft.import_report->summary().SerializeAsString();
   }
   record.contact = draft.contact.SerializeAsString();
+  if (g.hairs != nullptr) {
+    record.hair_count = static_cast<uint32_t>(g.hairs->count());
+    record.hair_point_count = g.hairs->places.size();
+    record.hair_offset_unit_m = g.hairs->offset_unit;
+  }
   const auto* rest = reinterpret_cast<const char*>(g.rest.data());
   auto stored = store_.Put(record, {EncodeContent(g, draft.import_report),
                                     std::string(rest, g.rest.size() * sizeof(double))});
@@ -214,8 +232,9 @@ Result<std::shared_ptr<const groom::Groom>> GroomLibrary::Read(const storage::Gr
   if (!parts) return parts.error();
   // Limits are for uploads: what is stored stays usable when they are lowered.
   constexpr int kNone = std::numeric_limits<int>::max();
-  return groom::Assemble(*std::move(parts),
-                         {kNone, kNone, kNone, kNoWork, kNone, kNone, kNone, kNone, kNone}, &pool_);
+  return groom::Assemble(
+      *std::move(parts),
+      {kNone, kNone, kNone, kNoWork, kNone, kNone, kNone, kNone, kNone, kNone, kNone}, &pool_);
 }
 
 }  // namespace mane::rpc

@@ -50,6 +50,10 @@ class GroomLibrary {
   /// kCancelled soon after `cancelled` says so.
   Result<StoredContact> PrepareContact(const groom::Parts& parts,
                                        const base::Cancelled& cancelled = {});
+  /// The shapes of what hair of `parts` meets: its bodies, and its scalp where it has a friction.
+  /// Fields of meshes are kept. Errors as head::MakeShapes.
+  Result<std::shared_ptr<head::Bodies>> MakeShapes(const groom::Parts& parts,
+                                                   const base::Cancelled& cancelled = {});
   /// Solves the rest shape and stores both; on disk when it returns. Taken() where there is a groom
   /// of that id.
   Result<storage::GroomRecord> Create(Draft draft);

@@ -8,6 +8,7 @@
 #include "rpc/convert_animation.h"
 #include "rpc/convert_body.h"
 #include "rpc/convert_groom.h"
+#include "rpc/convert_hairs.h"
 #include "rpc/groom_upload.h"
 #include "rpc/names.h"
 #include "rpc/rest_shape.h"
@@ -18,7 +19,7 @@ namespace {
 
 constexpr int kDefaultPageSize = 100;
 
-// The parts of an export: the description, the scalp, bodies, then guides.
+// The parts of an export: the description, the scalp, bodies, guides, then hairs.
 class ExportParts {
  public:
   ExportParts(GroomLibrary& library, std::string name)
@@ -38,20 +39,20 @@ class ExportParts {
       case Stage::kBodies:
         if (body_ < groom_->bodies.size()) return BodyPiece();
         stage_ = Stage::kGuides;
-        break;
+        return Guides();
       case Stage::kGuides:
-        break;
+        if (next_ < groom_->guides.size()) return Guides();
+        stage_ = Stage::kHairs;
+        next_ = 0;
+        return Hairs();
+      case Stage::kHairs:
+        return Hairs();
     }
-    if (next_ == groom_->guides.size()) return std::optional<v1::ExportGroomResponse>();
-    const size_t end = std::min(groom_->guides.size(), next_ + kGuidesPerPart);
-    for (; next_ < end; ++next_) {
-      FromDescription(groom::Describe(groom_->guides[next_]), part.mutable_guides()->add_guides());
-    }
-    return std::optional(part);
+    return std::optional<v1::ExportGroomResponse>();
   }
 
  private:
-  enum class Stage { kDescription, kEllipsoid, kMesh, kBodies, kGuides };
+  enum class Stage { kDescription, kEllipsoid, kMesh, kBodies, kGuides, kHairs };
   static constexpr size_t kGuidesPerPart = 64;       // At most 256 elements each: under 500 kB.
   static constexpr size_t kEntriesPerPart = 20'000;  // Vertices and triangles, 12 bytes each.
 
@@ -101,12 +102,33 @@ class ExportParts {
     return std::optional(part);
   }
 
+  Result<std::optional<v1::ExportGroomResponse>> Guides() {
+    v1::ExportGroomResponse part;
+    const size_t end = std::min(groom_->guides.size(), next_ + kGuidesPerPart);
+    for (; next_ < end; ++next_) {
+      FromDescription(groom::Describe(groom_->guides[next_]), part.mutable_guides()->add_guides());
+    }
+    return std::optional(part);
+  }
+
+  // Nothing where there are none left.
+  Result<std::optional<v1::ExportGroomResponse>> Hairs() {
+    if (groom_->hairs == nullptr || next_ == groom_->hairs->count()) {
+      return std::optional<v1::ExportGroomResponse>();
+    }
+    v1::ExportGroomResponse part;
+    const size_t end = EndOfBatch(*groom_->hairs, next_);
+    FromHairs(*groom_->hairs, next_, end, part.mutable_hairs());
+    next_ = end;
+    return std::optional(part);
+  }
+
   GroomLibrary& library_;
   const std::string name_;
   std::shared_ptr<const groom::Groom> groom_;
   Stage stage_ = Stage::kDescription;
   size_t body_ = 0;
-  size_t next_ = 0;  // Entry or guide.
+  size_t next_ = 0;  // Entry, guide or hair.
 };
 
 }  // namespace

@@ -40,6 +40,9 @@ Result<bool> GroomUpload::Add(const v1::CreateGroomRequest& request) {
     case v1::CreateGroomRequest::kBody:
       added = bodies_.Add(request.body());
       break;
+    case v1::CreateGroomRequest::kHairs:
+      added = hairs_.Add(request.hairs());
+      break;
     case v1::CreateGroomRequest::kCommit:
       return true;
     case v1::CreateGroomRequest::PART_NOT_SET:
@@ -132,18 +135,12 @@ Result<void> GroomUpload::AddMesh(const v1::TriangleMesh& piece) {
   if (header_.has_ellipsoid()) {
     return InvalidArgument("scalp_mesh", "a scalp_mesh was sent although header.ellipsoid is set");
   }
-  if (const auto ok = AppendMesh(piece, &mesh_); !ok) return ok;
-  const groom::Limits& limits = library_.limits();
-  if (mesh_.vertices.size() > static_cast<size_t>(limits.max_vertices)) {
-    return groom::TooMany("scalp_mesh.vertices", "vertices",
-                          static_cast<long>(mesh_.vertices.size()), limits.max_vertices);
-  }
-  const size_t triangles = std::max(mesh_.triangles.size(), mesh_.hair_triangles.size());
-  if (triangles > static_cast<size_t>(limits.max_triangles)) {
-    return groom::TooMany("scalp_mesh.triangles", "triangles", static_cast<long>(triangles),
-                          limits.max_triangles);
-  }
-  return {};
+  return AppendScalpMesh(piece, library_.limits(), &mesh_);
+}
+
+size_t GroomUpload::GuideCount() const {
+  if (header_.has_import_options()) return strands_.size();
+  return header_.has_generate() ? header_.generate().guide_count() : guides_.size();
 }
 
 Result<v1::Groom> GroomUpload::Finish(const std::atomic<bool>& cancelled) {
@@ -171,9 +168,13 @@ Result<storage::GroomRecord> GroomUpload::Create(const std::atomic<bool>& cancel
   } else if (!mesh_.vertices.empty() || !mesh_.triangles.empty()) {
     draft.parts.scalp = std::move(mesh_);
   }
+  auto hairs = hairs_.Take(header_.hair_offset_unit_m(), GuideCount());
+  if (!hairs) return hairs.error();
+  draft.parts.hairs = *std::move(hairs);
   draft.parts.bodies = bodies_.Take();
   draft.parts.scalp_friction = scalp_friction_;
-  auto contact = library_.PrepareContact(draft.parts, [&cancelled] { return cancelled.load(); });
+  const base::Cancelled is_cancelled = [&cancelled] { return cancelled.load(); };
+  auto contact = library_.PrepareContact(draft.parts, is_cancelled);
   if (!contact) return contact.error();
   draft.contact = *std::move(contact);
   if (header_.has_generate() && header_.has_import_options()) {
@@ -184,7 +185,7 @@ Result<storage::GroomRecord> GroomUpload::Create(const std::atomic<bool>& cancel
     if (strands_.empty()) {
       return InvalidArgument("strands", "strands is empty; header.import_options is set for them");
     }
-    auto import = groom::ImportStrands(strands_, import_options_, library_.pool(), cancelled);
+    auto import = groom::ImportStrands(strands_, import_options_, library_.pool(), is_cancelled);
     if (!import) return import.error();
     FromImport(import_options_, import->outcomes, &draft.import_report.emplace());
     draft.parts.guides = std::move(import->guides);

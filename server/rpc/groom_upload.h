@@ -9,13 +9,15 @@
 #include "mane/v1/groom.pb.h"
 #include "rpc/body_upload.h"
 #include "rpc/groom_library.h"
+#include "rpc/hair_upload.h"
 
 namespace mane::rpc {
 
 /// The messages of one CreateGroom call, gathered and checked as they come.
 class GroomUpload {
  public:
-  explicit GroomUpload(GroomLibrary& library) : library_(library), bodies_(library.limits()) {}
+  explicit GroomUpload(GroomLibrary& library)
+      : library_(library), bodies_(library.limits()), hairs_(library.limits()) {}
 
   /// Takes the next message; true when it was `commit`, the last. kInvalidArgument or
   /// kResourceExhausted names the field.
@@ -30,6 +32,8 @@ class GroomUpload {
   Result<void> AddGuides(const v1::GuideBatch& batch);
   Result<void> AddStrands(const v1::StrandBatch& batch);
   Result<void> AddMesh(const v1::TriangleMesh& piece);
+  // Guides that the groom will have, before they are made.
+  [[nodiscard]] size_t GuideCount() const;
 
   GroomLibrary& library_;
   bool has_header_ = false;
@@ -37,6 +41,7 @@ class GroomUpload {
   v1::CreateGroomHeader header_;
   groom::TriangleMesh mesh_;
   BodyUpload bodies_;
+  HairUpload hairs_;
   std::optional<groom::Friction> scalp_friction_;
   std::vector<groom::Guide> guides_;
   groom::ImportOptions import_options_;

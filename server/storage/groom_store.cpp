@@ -9,7 +9,8 @@ namespace {
 // Its columns in the order in which ReadRecord reads them.
 constexpr std::string_view kSelect =
     "SELECT id, request_id, display_name, hair_type, seed, guide_count, element_count, "
-    "longest_guide_m, has_scalp, etag, create_time_ns, import_summary, contact FROM grooms";
+    "longest_guide_m, has_scalp, etag, create_time_ns, import_summary, contact, hair_count, "
+    "hair_point_count, hair_offset_unit_m FROM grooms";
 
 GroomRecord ReadRecord(const Statement& row) {
   GroomRecord record;
@@ -26,6 +27,9 @@ GroomRecord ReadRecord(const Statement& row) {
   record.create_time_ns = row.Integer(10);
   record.import_summary = row.Bytes(11);
   record.contact = row.Bytes(12);
+  record.hair_count = static_cast<uint32_t>(row.Integer(13));
+  record.hair_point_count = static_cast<uint64_t>(row.Integer(14));
+  record.hair_offset_unit_m = row.Real(15);
   return record;
 }
 
@@ -53,10 +57,12 @@ Result<void> Insert(Database& database, const GroomRecord& record, const GroomCo
   auto inserted = database.Run(
       "INSERT INTO grooms (id, request_id, display_name, hair_type, seed, guide_count, "
       "element_count, longest_guide_m, has_scalp, etag, create_time_ns, import_summary, "
-      "contact) VALUES (?, nullif(?, ''), ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+      "contact, hair_count, hair_point_count, hair_offset_unit_m) "
+      "VALUES (?, nullif(?, ''), ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
       record.id, record.request_id, record.display_name, record.hair_type, record.seed,
       record.guide_count, record.element_count, record.longest_guide_m, record.has_scalp,
-      record.etag, record.create_time_ns, Blob{record.import_summary}, Blob{record.contact});
+      record.etag, record.create_time_ns, Blob{record.import_summary}, Blob{record.contact},
+      record.hair_count, record.hair_point_count, record.hair_offset_unit_m);
   if (!inserted) return inserted;
   return database.Run("INSERT INTO groom_contents (groom_id, groom, rest) VALUES (?, ?, ?)",
                       record.id, Blob{content.groom}, Blob{content.rest});

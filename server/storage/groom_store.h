@@ -25,10 +25,13 @@ struct GroomRecord {
   uint32_t element_count = 0;  ///< Of all guides together.
   double longest_guide_m = 0;
   bool has_scalp = false;
-  std::string etag;            ///< Digest of the content.
-  int64_t create_time_ns = 0;  ///< Since the Unix epoch.
-  std::string import_summary;  ///< Bytes; empty for a groom that was not imported.
-  std::string contact;         ///< What its hair meets, as bytes; empty for nothing.
+  std::string etag;               ///< Digest of the content.
+  int64_t create_time_ns = 0;     ///< Since the Unix epoch.
+  std::string import_summary;     ///< Bytes; empty for a groom that was not imported.
+  std::string contact;            ///< What its hair meets, as bytes; empty for nothing.
+  uint32_t hair_count = 0;        ///< Hairs that ride on the guides.
+  uint64_t hair_point_count = 0;  ///< Their control points.
+  double hair_offset_unit_m = 0;  ///< Of their offsets; 0 without any.
 
   bool operator==(const GroomRecord&) const = default;
 };

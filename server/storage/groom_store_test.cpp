@@ -31,6 +31,9 @@ GroomRecord MakeRecord(const std::string& id, const std::string& request_id = ""
   record.create_time_ns = 1'700'000'000'123'456'789;
   record.import_summary = std::string("sum\0mary", 8);
   record.contact = std::string("con\0tact", 8);
+  record.hair_count = 1'000'000;
+  record.hair_point_count = 40'000'000;
+  record.hair_offset_unit_m = 1.25e-6;
   return record;
 }
 
@@ -68,7 +71,7 @@ TEST_F(GroomStoreTest, GroomComesBackWholeAfterReopening) {
   }
 }
 
-TEST_F(GroomStoreTest, GroomsFromBeforeImportsAndContactStayAndHaveNeither) {
+TEST_F(GroomStoreTest, GroomsFromBeforeImportsContactAndHairsStayAndHaveNone) {
   GroomRecord record = MakeRecord("old");
   MANE_ASSERT_OK(store_->Put(record, content_));
   {
@@ -77,11 +80,17 @@ TEST_F(GroomStoreTest, GroomsFromBeforeImportsAndContactStayAndHaveNeither) {
     MANE_ASSERT_OK(
         database->RunScript("ALTER TABLE grooms DROP COLUMN import_summary;"
                             "ALTER TABLE grooms DROP COLUMN contact;"
+                            "ALTER TABLE grooms DROP COLUMN hair_count;"
+                            "ALTER TABLE grooms DROP COLUMN hair_point_count;"
+                            "ALTER TABLE grooms DROP COLUMN hair_offset_unit_m;"
                             "DELETE FROM schema_migrations WHERE version >= 2;"));
   }
   Reopen();
   record.import_summary.clear();
   record.contact.clear();
+  record.hair_count = 0;
+  record.hair_point_count = 0;
+  record.hair_offset_unit_m = 0;
   const auto got = store_->Get("old");
   MANE_ASSERT_OK(got);
   EXPECT_EQ(*got, record);

@@ -69,6 +69,11 @@ constexpr std::array kMigrations = {
     R"sql(
       ALTER TABLE grooms ADD COLUMN contact BLOB NOT NULL DEFAULT x'';
     )sql",
+    R"sql(
+      ALTER TABLE grooms ADD COLUMN hair_count INTEGER NOT NULL DEFAULT 0;
+      ALTER TABLE grooms ADD COLUMN hair_point_count INTEGER NOT NULL DEFAULT 0;
+      ALTER TABLE grooms ADD COLUMN hair_offset_unit_m REAL NOT NULL DEFAULT 0;
+    )sql",
 };
 
 Result<int64_t> ReadInteger(Database& database, std::string_view sql) {

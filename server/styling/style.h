@@ -45,7 +45,7 @@ struct Region {
   std::optional<Interval> azimuth;  ///< [rad]; low > high goes through pi.
   std::vector<HalfSpace> half_spaces;
   std::shared_ptr<const MapImage> mask;  ///< Above 0.5 is in; null for everywhere.
-  std::vector<uint32_t> wisps;           ///< Numbers of wisps; empty for all.
+  std::vector<uint32_t> wisps;           ///< Numbers of wisps, increasing; empty for all.
 };
 
 /// A probability density of one number.

@@ -45,6 +45,7 @@ from mane.groom import (
     StrandModel,
     frame_along,
 )
+from mane.hairs import Hairs
 from mane.hairstyle import DensityField, Hairstyle, Masters, Members, Outcome, StyleReport
 from mane.heads import LockstepHead, RealtimeHead
 from mane.jobs import Job, JobState
@@ -79,6 +80,7 @@ __all__ = [
     "GuideGeneration",
     "HairProperties",
     "HairType",
+    "Hairs",
     "Hairstyle",
     "ImportOptions",
     "ImportReport",

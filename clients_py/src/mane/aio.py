@@ -26,6 +26,7 @@ from mane.bodies import Body, ScalpContact
 from mane.client import Status
 from mane.frames import Frame, FrameFormat, Space
 from mane.groom import Ellipsoid, Groom, Guide, GuideGeneration, RestShape
+from mane.hairs import Hairs
 from mane.hairstyle import Hairstyle
 from mane.helix import Strands
 from mane.jobs import Job
@@ -103,6 +104,7 @@ class Client:
         scalp_contact: ScalpContact | None = None,
         bodies: Iterable[Body] = (),
         generate: GuideGeneration | None = None,
+        hairs: Hairs | None = None,
         groom_id: str = "",
         display_name: str = "",
     ) -> Groom:
@@ -116,6 +118,7 @@ class Client:
             scalp_contact=scalp_contact,
             bodies=bodies,
             generate=generate,
+            hairs=hairs,
             groom_id=groom_id,
             display_name=display_name,
         )

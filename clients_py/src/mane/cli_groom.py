@@ -131,6 +131,7 @@ def show(
         "seed": str(found.seed),
         "guides": str(found.guide_count),
         "elements": str(found.element_count),
+        "hairs": str(found.hair_count),
         "longest": f"{found.longest_guide_m:.3f} m",
         "scalp": "yes" if found.has_scalp else "no",
         "meets": cli_bodies.met_by(found),

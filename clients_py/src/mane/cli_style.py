@@ -180,9 +180,8 @@ def apply(
     _wait(client, job)
     with waiting("fetching the hair"):
         hairstyle = client.read_hairstyle(job)
-    groom = client.get_groom(groom_id)
     report = hairstyle.report
-    out.print(f"{groom.name}: {groom.guide_count} guides, {report.strand_count} strands")
+    out.print(f"{report.groom}: {report.wisp_count} guides, {report.strand_count} hairs")
     _print_report(report)
     out.print(f"made by {job.name}")
     if npz:
@@ -310,8 +309,7 @@ def _print_report(report: StyleReport) -> None:
     table = Table(box=None, show_header=False)
     stages = ", ".join(f"{name} {seconds:.1f}" for name, seconds in report.stages_s().items())
     rows = {
-        "wisps": str(report.wisp_count),
-        "strands": f"{report.strand_count}, of {report.control_point_count} control points",
+        "control points": f"{report.control_point_count}, of hairs",
         "crowded segments": str(report.crowded_segments),
         "constraints": f"{len(report.outcomes)}, {len(report.missed)} not met by all their wisps",
         "seconds": stages,

@@ -18,6 +18,7 @@ from mane.bodies import Body, ScalpContact
 from mane.errors import InvalidArgument
 from mane.frames import Frame, FrameFormat, Space
 from mane.groom import Ellipsoid, Groom, Guide, GuideGeneration, RestShape
+from mane.hairs import Hairs
 from mane.hairstyle import Hairstyle
 from mane.heads import CLOSE_TIMEOUT_S, LockstepHead, RealtimeHead
 from mane.helix import Strands
@@ -126,6 +127,7 @@ class Client:
         scalp_contact: ScalpContact | None = None,
         bodies: Iterable[Body] = (),
         generate: GuideGeneration | None = None,
+        hairs: Hairs | None = None,
         groom_id: str = "",
         display_name: str = "",
     ) -> Groom:
@@ -143,6 +145,8 @@ class Client:
             A mesh may have holes, which are closed, up to a fifth of its surface.
           bodies: what else hair meets, at most 64. Meshes take seconds.
           generate: places and shapes guides on the scalp's hair region.
+          hairs: what rides on the guides, however these are made: `mane.hairs.ride_on` makes it of
+            curves, `mane.hairs.assemble` makes curves of it and a frame. Heads do not look at it.
           groom_id: last part of the name, `[a-z0-9]([a-z0-9-]{0,61}[a-z0-9])?`; the server chooses
             one where it is empty.
           display_name: free text, at most 200 bytes.
@@ -150,17 +154,18 @@ class Client:
         Raises InvalidArgument that names the offending field (`guides[12].length_m`), and the body,
         AlreadyExists where the id is taken, ResourceExhausted above the server's limits.
         """
-        header = messages.create_header(groom_id, display_name, generate, scalp_contact)
+        header = messages.create_header(groom_id, display_name, generate, scalp_contact, hairs)
         if import_options is None:
             strands = list(strands)
             import_options = ImportOptions() if strands else None
         if import_options is None:
-            requests, patience = messages.create_groom(header, guides, scalp, bodies), 10
+            requests = messages.create_groom(header, guides, scalp, bodies, hairs)
+            patience = 10
         elif any(True for _ in guides):
             raise InvalidArgument.of("guides", "must be empty where strands are imported")
         else:
             requests = strand_messages.create_groom(
-                header, strands, import_options, scalp, bodies
+                header, strands, import_options, scalp, bodies, hairs
             )
             patience = 100
         groom = self._call(self._grooms.CreateGroom, requests, patience)
@@ -193,7 +198,7 @@ class Client:
         self._call(self._grooms.DeleteGroom, messages.of_groom(groom_pb2.DeleteGroomRequest, groom))
 
     def export_groom(self, groom: Groom | str) -> Groom:
-        """A groom with its guides, scalp and bodies."""
+        """A groom with its guides, scalp, bodies and hairs."""
         parts = messages.ExportedGroom()
         call = self._grooms.ExportGroom(
             messages.of_groom(groom_pb2.ExportGroomRequest, groom), timeout=10 * self._timeout_s

@@ -17,6 +17,7 @@ from mane.pose import IDENTITY, choice, vector
 
 if TYPE_CHECKING:
     from mane.bodies import Body, BodySummary, ScalpContact
+    from mane.hairs import Hairs
     from mane.strands import ImportSummary
 
 
@@ -191,7 +192,9 @@ class Groom:
       body_count: bodies that hair meets, the scalp not among them.
       body_summaries: a `BodySummary` of each; `list_grooms` leaves them out.
       scalp_contact: a `ScalpContact` where hair meets the scalp, with its numbers; else None.
-      guides, scalp, bodies: the content; only `export_groom` fills them.
+      hair_count, hair_point_count: hairs that ride on the guides, and their control points.
+      guides, scalp, bodies, hairs: the content; only `export_groom` fills them. `hairs` is a
+        `mane.hairs.Hairs`, or None where there are none.
     """
 
     name: str
@@ -211,6 +214,9 @@ class Groom:
     body_summaries: tuple[BodySummary, ...] = ()
     scalp_contact: ScalpContact | None = None
     bodies: tuple[Body, ...] = ()
+    hair_count: int = 0
+    hair_point_count: int = 0
+    hairs: Hairs | None = None
 
 
 @dataclass(frozen=True, eq=False)

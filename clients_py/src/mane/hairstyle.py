@@ -35,6 +35,7 @@ class StyleReport:
     """How a style came out.
 
     Attributes:
+      groom: that was made, `grooms/{groom}`.
       outcomes: an `Outcome` of every constraint.
       wisp_count, strand_count: masters, and members of them all.
       control_point_count: of all members.
@@ -43,6 +44,7 @@ class StyleReport:
         each stage took.
     """
 
+    groom: str = ""
     outcomes: tuple[Outcome, ...] = ()
     wisp_count: int = 0
     strand_count: int = 0

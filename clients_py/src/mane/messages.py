@@ -9,7 +9,7 @@ from datetime import UTC, datetime
 
 import numpy as np
 
-from mane import body_messages
+from mane import body_messages, hair_messages
 from mane.bodies import Body, ScalpContact
 from mane.errors import Internal
 from mane.groom import (
@@ -21,6 +21,7 @@ from mane.groom import (
     RestShape,
     StrandModel,
 )
+from mane.hairs import Hairs
 from mane.helix import Strands
 from mane.mesh import Mesh
 from mane.motion import Motion
@@ -174,6 +175,7 @@ def create_header(
     display_name: str,
     generate: GuideGeneration | None,
     contact: ScalpContact | None = None,
+    hairs: Hairs | None = None,
 ) -> groom_pb2.CreateGroomHeader:
     return groom_pb2.CreateGroomHeader(
         groom_id=groom_id,
@@ -181,6 +183,7 @@ def create_header(
         request_id=request_id(),
         generate=None if generate is None else generation(generate),
         scalp_contact=None if contact is None else body_messages.scalp_contact(contact),
+        hair_offset_unit_m=0.0 if hairs is None else hairs.offset_unit_m,
     )
 
 
@@ -189,6 +192,7 @@ def create_groom(
     guides: Iterable[Guide],
     scalp: Mesh | Ellipsoid | None,
     bodies: Iterable[Body] = (),
+    hairs: Hairs | None = None,
 ) -> Iterator[groom_pb2.CreateGroomRequest]:
     """The messages of one upload, each about `PIECE_BYTES` at most."""
     if isinstance(scalp, Ellipsoid):
@@ -201,6 +205,8 @@ def create_groom(
         yield groom_pb2.CreateGroomRequest(body=body)
     for batch in guide_batches(guides):
         yield groom_pb2.CreateGroomRequest(guides=batch)
+    for batch in hair_messages.batches(hairs):
+        yield groom_pb2.CreateGroomRequest(hairs=batch)
     yield groom_pb2.CreateGroomRequest(commit=groom_pb2.CommitGroom())
 
 
@@ -224,6 +230,7 @@ class ExportedGroom:
         self._groom: groom_pb2.Groom | None = None
         self._guides: list[Guide] = []
         self._bodies: list[groom_pb2.Body] = []
+        self._hairs = hair_messages.ExportedHairs()
         self._ellipsoid: groom_pb2.EllipsoidScalp | None = None
         self._mesh = {field: bytearray() for field in MESH_ARRAYS}
 
@@ -235,6 +242,8 @@ class ExportedGroom:
                 self._guides += map(from_guide, part.guides.guides)
             case "body":
                 body_messages.join(self._bodies, part.body)
+            case "hairs":
+                self._hairs.add(part.hairs)
             case "ellipsoid":
                 self._ellipsoid = part.ellipsoid
             case "scalp_mesh":
@@ -243,14 +252,18 @@ class ExportedGroom:
 
     def groom(self) -> Groom:
         """The whole groom. Internal where the download is not complete."""
-        counts = (len(self._guides), len(self._bodies))
-        if self._groom is None or counts != (self._groom.guide_count, self._groom.body_count):
+        told = self._groom
+        counts = (len(self._guides), len(self._bodies), *self._hairs.counts())
+        if told is None or counts != (
+            told.guide_count, told.body_count, told.hair_count, told.hair_point_count
+        ):  # fmt: skip
             raise Internal("the server's export of the groom is not complete")
         return replace(
-            from_groom(self._groom),
+            from_groom(told),
             guides=tuple(self._guides),
             scalp=self._scalp(),
             bodies=tuple(map(body_messages.from_body, self._bodies)),
+            hairs=self._hairs.hairs(told.hair_offset_unit_m),
         )
 
     def _scalp(self) -> Mesh | Ellipsoid | None:
@@ -287,6 +300,8 @@ def from_groom(message: groom_pb2.Groom) -> Groom:
         body_count=message.body_count,
         body_summaries=tuple(map(body_messages.from_summary, message.bodies)),
         scalp_contact=None if contact is None else body_messages.from_scalp_contact(contact),
+        hair_count=message.hair_count,
+        hair_point_count=message.hair_point_count,
     )
 
 

@@ -8,10 +8,11 @@ from dataclasses import asdict, fields
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mane import messages
+from mane import hair_messages, messages
 from mane.bodies import Body
 from mane.errors import InvalidArgument
 from mane.groom import Ellipsoid, HairType
+from mane.hairs import Hairs
 from mane.mesh import Mesh
 from mane.strands import HairProperties, ImportOptions, ImportReport, Strand
 from mane.v1 import groom_pb2
@@ -62,13 +63,15 @@ def create_groom(
     chosen: ImportOptions,
     scalp: Mesh | Ellipsoid | None,
     bodies: Iterable[Body] = (),
+    hairs: Hairs | None = None,
 ) -> Iterator[groom_pb2.CreateGroomRequest]:
     """The messages of one upload of strands, each about `messages.PIECE_BYTES` at most.
 
     What this side refuses is refused here, before the first message is sent.
     """
     header.import_options.CopyFrom(options(chosen))
-    return _parts(header, [_strand_at(i, value) for i, value in enumerate(strands)], scalp, bodies)
+    whole = [_strand_at(i, value) for i, value in enumerate(strands)]
+    return _parts(header, whole, scalp, bodies, hairs)
 
 
 def _strand_at(index: int, value: Strand | ArrayLike) -> Strand:
@@ -79,12 +82,14 @@ def _strand_at(index: int, value: Strand | ArrayLike) -> Strand:
 
 
 def _parts(
-    header, strands: list[Strand], scalp, bodies
+    header, strands: list[Strand], scalp, bodies, hairs: Hairs | None
 ) -> Iterator[groom_pb2.CreateGroomRequest]:
     *parts, commit = messages.create_groom(header, (), scalp, bodies)
     yield from parts
     for batch in _batches(strands):
         yield groom_pb2.CreateGroomRequest(strands=batch)
+    for batch in hair_messages.batches(hairs):
+        yield groom_pb2.CreateGroomRequest(hairs=batch)
     yield commit
 
 

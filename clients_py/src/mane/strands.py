@@ -77,7 +77,7 @@ class ImportOptions:
       max_stiffness_factor: hair too soft for its shape buckles; its Young's modulus is raised by
         the least factor that holds it, at most this one, 1 to 1000. None is 4.
       stability_margin: how far from buckling a held shape must be, 0 to 0.9. None is 0.1.
-      wisp_radius_m: of all guides, as in `Guide`; None is 0, and of a style its wisps' radius.
+      wisp_radius_m: of all guides, as in `Guide`.
     """
 
     hair_type: HairType | str = HairType.CAUCASIAN_WAVY
@@ -88,7 +88,7 @@ class ImportOptions:
     hold: bool = True
     max_stiffness_factor: float | None = None
     stability_margin: float | None = None
-    wisp_radius_m: float | None = None
+    wisp_radius_m: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,424 @@
+#include "rpc/convert_style.h"
+
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <utility>
+
+#include "rpc/convert_values.h"
+#include "rpc/limits.h"
+#include "rpc/names.h"
+#include "styling/png_image.h"
+#include "styling/validate_style.h"
+
+namespace mane::rpc {
+namespace {
+
+constexpr int kMaxStops = 1000;
+constexpr int kMaxHalfSpaces = 16;
+constexpr int kMaxWispNumbers = 20'000;
+constexpr int kMaxDensities = 1000;
+constexpr size_t kMaxPrototypePoints = 10'000;
+constexpr int kMaxRadii = 1000;
+constexpr int kMaxParts = 64;  // Of the field, and of regional prototypes.
+constexpr int kMaxQueues = 256;
+constexpr int kMaxConstraints = 64;  // Of a queue.
+constexpr int kMaxPathPoints = 1000;
+constexpr int kMaxOperations = 256;
+constexpr size_t kMaxName = 64;
+constexpr uint32_t kMaxGridNodes = 256;  // Along an axis.
+
+Result<void> CheckCount(const std::string& field, long count, long most) {
+  if (count <= most) return {};
+  return InvalidArgument(
+      field, fmt::format("{} has {} entries; at most {} are allowed", field, count, most));
+}
+
+Result<std::shared_ptr<const styling::MapImage>> ToImage(const std::string& png,
+                                                         const std::string& field) {
+  if (png.empty()) return std::shared_ptr<const styling::MapImage>();
+  auto image = styling::DecodePng(std::as_bytes(std::span(png)), field);
+  if (!image) return image.error();
+  return std::shared_ptr<const styling::MapImage>(
+      std::make_shared<styling::MapImage>(*std::move(image)));
+}
+
+// Each of a repeated field, as `convert` makes it of a message and its path.
+template <typename Message, typename Convert>
+auto ToList(const Message& messages, const std::string& field, int most, const Convert& convert)
+    -> Result<std::vector<std::decay_t<decltype(*convert(*messages.begin(), std::string()))>>> {
+  std::vector<std::decay_t<decltype(*convert(*messages.begin(), std::string()))>> list;
+  if (const auto ok = CheckCount(field, messages.size(), most); !ok) return ok.error();
+  for (int i = 0; i < messages.size(); ++i) {
+    auto entry = convert(messages[i], fmt::format("{}[{}]", field, i));
+    if (!entry) return entry.error();
+    list.push_back(*std::move(entry));
+  }
+  return list;
+}
+
+Result<styling::Stop> ToStop(const v1::Stop& message, const std::string& /*field*/) {
+  return styling::Stop{message.at(), message.value()};
+}
+
+// @param unset  its value where it says none.
+Result<styling::ScalpMap> ToMap(const v1::ScalpMap& message, double unset,
+                                const std::string& field) {
+  styling::ScalpMap map;
+  map.value = message.has_value() ? message.value() : unset;
+  auto by_polar = ToList(message.by_polar(), field + ".by_polar", kMaxStops, ToStop);
+  if (!by_polar) return by_polar.error();
+  map.by_polar = *std::move(by_polar);
+  auto by_azimuth = ToList(message.by_azimuth(), field + ".by_azimuth", kMaxStops, ToStop);
+  if (!by_azimuth) return by_azimuth.error();
+  map.by_azimuth = *std::move(by_azimuth);
+  auto image = ToImage(message.png(), field + ".png");
+  if (!image) return image.error();
+  map.image = *std::move(image);
+  return map;
+}
+
+Result<styling::Region::HalfSpace> ToHalfSpace(const v1::ScalpRegion::HalfSpace& message,
+                                               const std::string& /*field*/) {
+  return styling::Region::HalfSpace{ToVector(message.normal()), message.offset_m()};
+}
+
+Result<styling::Region> ToRegion(const v1::ScalpRegion& message, const std::string& field) {
+  styling::Region region;
+  if (message.has_polar()) region.polar = {message.polar().low(), message.polar().high()};
+  if (message.has_azimuth()) region.azimuth = {message.azimuth().low(), message.azimuth().high()};
+  auto half_spaces =
+      ToList(message.half_spaces(), field + ".half_spaces", kMaxHalfSpaces, ToHalfSpace);
+  if (!half_spaces) return half_spaces.error();
+  region.half_spaces = *std::move(half_spaces);
+  auto mask = ToImage(message.mask_png(), field + ".mask_png");
+  if (!mask) return mask.error();
+  region.mask = *std::move(mask);
+  if (const auto ok = CheckCount(field + ".wisps", message.wisps_size(), kMaxWispNumbers); !ok) {
+    return ok.error();
+  }
+  region.wisps.assign(message.wisps().begin(), message.wisps().end());
+  return region;
+}
+
+// @param unset  where no form is set.
+Result<styling::Distribution> ToDistribution(const v1::Distribution& message,
+                                             const styling::Distribution& unset,
+                                             const std::string& field) {
+  using Form = styling::Distribution::Form;
+  switch (message.form_case()) {
+    case v1::Distribution::kConstant:
+      return styling::Distribution{Form::kConstant, message.constant().value(), 0, 0, 0, {}};
+    case v1::Distribution::kUniform:
+      return styling::Distribution{Form::kUniform,           0, 0, message.uniform().low(),
+                                   message.uniform().high(), {}};
+    case v1::Distribution::kNormal:
+      return styling::Distribution{
+          Form::kNormal,          message.normal().mean(), message.normal().deviation(),
+          message.normal().low(), message.normal().high(), {}};
+    case v1::Distribution::kSampled: {
+      const auto& sampled = message.sampled();
+      const auto ok =
+          CheckCount(field + ".sampled.densities", sampled.densities_size(), kMaxDensities);
+      if (!ok) return ok.error();
+      return styling::Distribution{Form::kSampled,
+                                   0,
+                                   0,
+                                   sampled.low(),
+                                   sampled.high(),
+                                   {sampled.densities().begin(), sampled.densities().end()}};
+    }
+    case v1::Distribution::FORM_NOT_SET:
+      break;
+  }
+  return unset;
+}
+
+Result<styling::Synthesis> ToSynthesis(const v1::Synthesis& message, const std::string& field) {
+  styling::Synthesis synthesis;
+  const v1::Prototype& prototype = message.prototype();
+  const std::string path = field + ".prototype";
+  if (!v1::StrandKind_IsValid(prototype.kind())) {
+    return InvalidArgument(path + ".kind",
+                           fmt::format("{}.kind is {}; it must be one of StrandKind", path,
+                                       static_cast<int>(prototype.kind())));
+  }
+  if (prototype.kind() != v1::STRAND_KIND_UNSPECIFIED) {
+    synthesis.prototype.kind = static_cast<styling::StrandKind>(prototype.kind() - 1);
+  }
+  synthesis.prototype.amplitude_m = prototype.amplitude_m();
+  synthesis.prototype.period_m = prototype.period_m();
+  std::vector<Eigen::Vector3f> points;
+  if (const auto ok = AppendBytes(prototype.points(), path + ".points", &points); !ok) {
+    return ok.error();
+  }
+  const auto ok = CheckCount(path + ".points", std::ssize(points), kMaxPrototypePoints);
+  if (!ok) return ok.error();
+  for (const Eigen::Vector3f& p : points) synthesis.prototype.points.push_back(p.cast<double>());
+  if (const auto fits = CheckRange(field + ".window", message.window(), 0, 200); !fits) {
+    return fits.error();
+  }
+  synthesis.window = static_cast<int>(message.window());
+  synthesis.temperature = message.temperature();
+  return synthesis;
+}
+
+Result<styling::Style::RegionalSynthesis> ToRegional(const v1::RegionalSynthesis& message,
+                                                     const std::string& field) {
+  auto region = ToRegion(message.region(), field + ".region");
+  if (!region) return region.error();
+  auto synthesis = ToSynthesis(message.synthesis(), field + ".synthesis");
+  if (!synthesis) return synthesis.error();
+  return styling::Style::RegionalSynthesis{*std::move(region), *std::move(synthesis)};
+}
+
+Result<std::shared_ptr<const styling::FieldTerm::Grid>> ToGrid(
+    const v1::StylingField::Grid& message, const std::string& field) {
+  auto grid = std::make_shared<styling::FieldTerm::Grid>();
+  grid->low = ToVector(message.low());
+  grid->cell = message.cell_m();
+  const uint32_t nodes[3] = {message.nodes_x(), message.nodes_y(), message.nodes_z()};
+  const char* const names[3] = {".nodes_x", ".nodes_y", ".nodes_z"};
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto ok = CheckRange(field + names[axis], nodes[axis], 2, kMaxGridNodes);
+    if (!ok) return ok.error();
+    grid->nodes[axis] = static_cast<int>(nodes[axis]);
+  }
+  if (const auto ok = AppendBytes(message.values(), field + ".values", &grid->values); !ok) {
+    return ok.error();
+  }
+  const size_t needed = size_t{nodes[0]} * nodes[1] * nodes[2];
+  if (grid->values.size() != needed) {
+    return InvalidArgument(
+        field + ".values",
+        fmt::format("{}.values has {} vectors; {} x {} x {} nodes need {}", field,
+                    grid->values.size(), nodes[0], nodes[1], nodes[2], needed));
+  }
+  return std::shared_ptr<const styling::FieldTerm::Grid>(std::move(grid));
+}
+
+Result<styling::FieldTerm> ToFieldTerm(const v1::StylingField& message, const std::string& field) {
+  styling::FieldTerm term;
+  if (message.kind() == v1::StylingField::KIND_UNSPECIFIED ||
+      !v1::StylingField::Kind_IsValid(message.kind())) {
+    return InvalidArgument(field + ".kind",
+                           fmt::format("{}.kind is {}; it must be one of StylingField.Kind", field,
+                                       static_cast<int>(message.kind())));
+  }
+  term.kind = static_cast<styling::FieldTerm::Kind>(message.kind() - 1);
+  term.strength = message.strength();
+  if (message.has_direction()) term.direction = ToVector(message.direction());
+  term.center = ToVector(message.center());
+  term.radius = message.radius_m();
+  if (message.kind() == v1::StylingField::KIND_GRID) {
+    auto grid = ToGrid(message.grid(), field + ".grid");
+    if (!grid) return grid.error();
+    term.grid = *std::move(grid);
+  } else if (message.has_grid()) {
+    return InvalidArgument(field + ".grid",
+                           fmt::format("{}.grid is set, but {}.kind is not GRID", field, field));
+  }
+  return term;
+}
+
+Result<std::vector<Eigen::Vector3d>> ToPath(
+    const google::protobuf::RepeatedPtrField<v1::Vector3>& message, const std::string& field) {
+  return ToList(message, field, kMaxPathPoints,
+                [](const v1::Vector3& point, const std::string&) -> Result<Eigen::Vector3d> {
+                  return ToVector(point);
+                });
+}
+
+Result<styling::Constraint> ToConstraint(const v1::Constraint& message, const std::string& field) {
+  styling::Constraint constraint;
+  if (message.kind() == v1::Constraint::KIND_UNSPECIFIED ||
+      !v1::Constraint::Kind_IsValid(message.kind())) {
+    return InvalidArgument(field + ".kind",
+                           fmt::format("{}.kind is {}; it must be one of Constraint.Kind", field,
+                                       static_cast<int>(message.kind())));
+  }
+  constraint.kind = static_cast<styling::Constraint::Kind>(message.kind() - 1);
+  auto path = ToPath(message.path(), field + ".path");
+  if (!path) return path.error();
+  constraint.path = *std::move(path);
+  constraint.radius = message.radius_m();
+  constraint.weight = message.has_weight() ? message.weight() : 1;
+  return constraint;
+}
+
+Result<styling::ConstraintQueue> ToQueue(const v1::ConstraintQueue& message,
+                                         const std::string& field) {
+  styling::ConstraintQueue queue;
+  if (const auto ok = CheckText(message.name(), kMaxName, field + ".name"); !ok) return ok.error();
+  queue.name = message.name();
+  auto selection = ToRegion(message.selection(), field + ".selection");
+  if (!selection) return selection.error();
+  queue.selection = *std::move(selection);
+  const uint32_t shares = std::max(message.share_count(), 1U);
+  if (const auto ok = CheckRange(field + ".share_count", shares, 1, 1000); !ok) return ok.error();
+  if (const auto ok = CheckRange(field + ".share", message.share(), 0, shares - 1); !ok) {
+    return ok.error();
+  }
+  queue.share_count = static_cast<int>(shares);
+  queue.share = static_cast<int>(message.share());
+  auto constraints =
+      ToList(message.constraints(), field + ".constraints", kMaxConstraints, ToConstraint);
+  if (!constraints) return constraints.error();
+  queue.constraints = *std::move(constraints);
+  return queue;
+}
+
+Result<styling::Colouring> ToColouring(const v1::HairColour& message, const std::string& field) {
+  using Form = styling::Distribution::Form;
+  const styling::Distribution hue{Form::kNormal, 0.07, 0.01, 0, 1, {}};
+  const styling::Distribution saturation{Form::kNormal, 0.5, 0.06, 0, 1, {}};
+  const styling::Distribution value{Form::kNormal, 0.3, 0.05, 0, 1, {}};
+  styling::Colouring colouring;
+  auto h = ToDistribution(message.hue(), hue, field + ".hue");
+  if (!h) return h.error();
+  auto s = ToDistribution(message.saturation(), saturation, field + ".saturation");
+  if (!s) return s.error();
+  auto v = ToDistribution(message.value(), value, field + ".value");
+  if (!v) return v.error();
+  colouring.hue = *std::move(h);
+  colouring.saturation = *std::move(s);
+  colouring.value = *std::move(v);
+  colouring.wisp_share = message.wisp_share();
+  return colouring;
+}
+
+// The part of an operation that its kind says.
+Result<decltype(styling::Operation::what)> ToWhat(const v1::HairdressingOperation& message,
+                                                  const std::string& field) {
+  using Operation = styling::Operation;
+  using What = decltype(Operation::what);
+  switch (message.operation_case()) {
+    case v1::HairdressingOperation::kCut: {
+      Operation::Trim trim;
+      if (message.cut().length_m() != 0) trim.length = message.cut().length_m();
+      if (message.cut().has_plane()) trim.plane = *ToHalfSpace(message.cut().plane(), field);
+      if (!trim.length && !trim.plane) {
+        return InvalidArgument(field + ".cut",
+                               fmt::format("{}.cut sets neither length_m nor plane", field));
+      }
+      return What(trim);
+    }
+    case v1::HairdressingOperation::kWave: {
+      auto synthesis = ToSynthesis(message.wave().synthesis(), field + ".wave.synthesis");
+      if (!synthesis) return synthesis.error();
+      return What(Operation::Wave{*std::move(synthesis)});
+    }
+    case v1::HairdressingOperation::kComb: {
+      const auto& comb = message.comb();
+      auto path = ToPath(comb.path(), field + ".comb.path");
+      if (!path) return path.error();
+      return What(Operation::Comb{*std::move(path), comb.radius_m(),
+                                  comb.has_weight() ? comb.weight() : 0.8});
+    }
+    case v1::HairdressingOperation::kTie:
+      return What(Operation::Tie{ToVector(message.tie().point()), message.tie().radius_m()});
+    case v1::HairdressingOperation::kBraid: {
+      const auto& braid = message.braid();
+      auto path = ToPath(braid.path(), field + ".braid.path");
+      if (!path) return path.error();
+      const uint32_t strands = braid.strand_count() == 0 ? 3 : braid.strand_count();
+      if (const auto ok = CheckRange(field + ".braid.strand_count", strands, 2, 9); !ok) {
+        return ok.error();
+      }
+      return What(Operation::Braid{*std::move(path), static_cast<int>(strands), braid.radius_m(),
+                                   braid.period_m()});
+    }
+    case v1::HairdressingOperation::OPERATION_NOT_SET:
+      break;
+  }
+  return InvalidArgument(field, fmt::format("{} says no operation", field));
+}
+
+Result<styling::Operation> ToOperation(const v1::HairdressingOperation& message,
+                                       const std::string& field) {
+  auto region = ToRegion(message.region(), field + ".region");
+  if (!region) return region.error();
+  auto what = ToWhat(message, field);
+  if (!what) return what.error();
+  styling::Operation operation{*std::move(region), *std::move(what)};
+  if (const auto ok = styling::ValidateOperation(operation, field); !ok) return ok.error();
+  return operation;
+}
+
+// Everything but lists of messages.
+Result<void> ToNumbers(const v1::Style& message, const std::string& field, styling::Style* style) {
+  style->seed = message.seed();
+  if (message.has_wisp_count()) {
+    const auto ok = CheckRange(field + ".wisp_count", message.wisp_count(), 1, 20'000);
+    if (!ok) return ok;
+    style->wisp_count = static_cast<int>(message.wisp_count());
+  }
+  if (message.has_strand_count()) {
+    const auto ok = CheckRange(field + ".strand_count", message.strand_count(), 0, 1'000'000);
+    if (!ok) return ok;
+    style->strand_count = static_cast<int>(message.strand_count());
+  }
+  if (message.segment_length_m() != 0) style->segment_length = message.segment_length_m();
+  if (const auto ok = CheckCount(field + ".radii_m", message.radii_m_size(), kMaxRadii); !ok) {
+    return ok;
+  }
+  if (message.radii_m_size() > 0) {
+    style->radii.assign(message.radii_m().begin(), message.radii_m().end());
+  }
+  if (message.has_fuzziness()) style->fuzziness = message.fuzziness();
+  if (message.has_bending_stiffness()) style->bending_stiffness = message.bending_stiffness();
+  if (message.has_density_threshold()) style->density_threshold = message.density_threshold();
+  if (message.strand_cross_section_m2() != 0) {
+    style->strand_cross_section = message.strand_cross_section_m2();
+  }
+  if (message.cell_m() != 0) style->cell = message.cell_m();
+  return {};
+}
+
+}  // namespace
+
+Result<styling::Style> ToStyle(const v1::Style& message, const std::string& field) {
+  styling::Style style;
+  if (const auto ok = ToNumbers(message, field, &style); !ok) return ok.error();
+
+  auto density = ToMap(message.density(), 1, field + ".density");
+  if (!density) return density.error();
+  style.density = *std::move(density);
+  auto length = ToMap(message.length(), 0.25, field + ".length");
+  if (!length) return length.error();
+  style.length = *std::move(length);
+  auto protrusion = ToMap(message.protrusion(), 0.5, field + ".protrusion");
+  if (!protrusion) return protrusion.error();
+  style.protrusion = *std::move(protrusion);
+
+  auto synthesis = ToSynthesis(message.synthesis(), field + ".synthesis");
+  if (!synthesis) return synthesis.error();
+  style.synthesis = *std::move(synthesis);
+  auto regional = ToList(message.regional(), field + ".regional", kMaxParts, ToRegional);
+  if (!regional) return regional.error();
+  style.regional = *std::move(regional);
+
+  auto member_length = ToDistribution(message.member_length(), {}, field + ".member_length");
+  if (!member_length) return member_length.error();
+  style.member_length = *std::move(member_length);
+  auto terms = ToList(message.field(), field + ".field", kMaxParts, ToFieldTerm);
+  if (!terms) return terms.error();
+  style.field = *std::move(terms);
+  if (style.field.empty()) style.field.emplace_back();
+  auto queues = ToList(message.queues(), field + ".queues", kMaxQueues, ToQueue);
+  if (!queues) return queues.error();
+  style.queues = *std::move(queues);
+  auto colour = ToColouring(message.colour(), field + ".colour");
+  if (!colour) return colour.error();
+  style.colour = *std::move(colour);
+
+  // Before operations: what they add has been checked as they were.
+  if (const auto ok = styling::ValidateStyle(style, field); !ok) return ok.error();
+  auto operations =
+      ToList(message.operations(), field + ".operations", kMaxOperations, ToOperation);
+  if (!operations) return operations.error();
+  for (const styling::Operation& operation : *operations) styling::Dress(operation, &style);
+  return style;
+}
+
+}  // namespace mane::rpc

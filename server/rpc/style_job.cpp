@@ -1,0 +1,204 @@
+#include "rpc/style_job.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "base/clock.h"
+#include "groom/range.h"
+#include "rpc/convert_body.h"
+#include "rpc/convert_groom.h"
+#include "rpc/convert_import.h"
+#include "rpc/convert_style.h"
+#include "rpc/style_result.h"
+#include "stored.pb.h"
+#include "styling/guides.h"
+
+namespace mane::rpc {
+namespace {
+
+// Shares of a job's progress.
+constexpr double kStyled = 0.3;
+constexpr double kWritten = 0.4;
+constexpr double kImported = 0.95;
+// Strands that are imported between two looks at progress.
+constexpr size_t kStrandsPerStep = 64;
+
+// The head that is styled, and what the groom is made of but its hair.
+Result<groom::Parts> ToParts(const StoredStyle& spec) {
+  groom::Parts parts;
+  parts.display_name = spec.header().display_name();
+  parts.seed = spec.header().style().seed();
+  if (spec.header().has_ellipsoid()) {
+    parts.scalp = ToEllipsoid(spec.header().ellipsoid());
+  } else {
+    groom::TriangleMesh mesh;
+    if (const auto ok = AppendMesh(spec.scalp_mesh(), &mesh); !ok) return ok.error();
+    parts.scalp = std::move(mesh);
+  }
+  for (const v1::Body& message : spec.bodies()) {
+    auto body = ToWholeBody(message, static_cast<int>(parts.bodies.size()));
+    if (!body) return body.error();
+    parts.bodies.push_back(*std::move(body));
+  }
+  if (spec.header().has_scalp_contact()) {
+    const auto friction = ToScalpFriction(spec.header().scalp_contact());
+    if (!friction) return friction.error();
+    parts.scalp_friction = *friction;
+  }
+  return parts;
+}
+
+// What styled hair keeps out of: the scalp whether or not the groom's hair will meet it, and
+// bodies. A scalp that bounds no solid, such as a cap of skin, is left out where there are bodies.
+Result<styling::Obstacles> MakeObstacles(GroomLibrary& library, const groom::Parts& parts,
+                                         const base::Cancelled& cancelled) {
+  groom::Parts solid;
+  solid.scalp = parts.scalp;
+  solid.bodies = parts.bodies;
+  solid.scalp_friction = groom::Friction();
+  auto bodies = library.MakeShapes(solid, cancelled);
+  const bool is_open = !bodies && bodies.error().code == ErrorCode::kInvalidArgument &&
+                       bodies.error().field.starts_with("scalp_mesh");
+  if (is_open && !parts.bodies.empty() && !parts.scalp_friction) {
+    solid.scalp_friction.reset();
+    bodies = library.MakeShapes(solid, cancelled);
+  }
+  if (!bodies) return bodies.error();
+  styling::Obstacles obstacles;
+  for (const head::Bodies::Body& body : (*bodies)->bodies) {
+    obstacles.push_back({body.shape, body.pose});
+  }
+  return obstacles;
+}
+
+// Imports the masters, some at a time.
+Result<groom::Import> ImportMasters(const styling::Masters& masters,
+                                    const groom::ImportOptions& options, exec::WorkerPool& pool,
+                                    jobs::JobContext& context) {
+  const std::vector<groom::ImportedStrand> strands = styling::ToStrands(masters);
+  groom::Import all;
+  for (size_t begin = 0; begin < strands.size(); begin += kStrandsPerStep) {
+    const size_t count = std::min(kStrandsPerStep, strands.size() - begin);
+    auto some = groom::ImportStrands(std::span(strands).subspan(begin, count), options, pool,
+                                     [&] { return context.Cancelled(); });
+    if (context.Cancelled()) return jobs::JobContext::StoppedError();
+    if (!some) return some.error();
+    std::ranges::move(some->guides, std::back_inserter(all.guides));
+    std::ranges::copy(some->rest, std::back_inserter(all.rest));
+    std::ranges::copy(some->outcomes, std::back_inserter(all.outcomes));
+    const double done = static_cast<double>(begin + count) / static_cast<double>(strands.size());
+    context.Progress(kWritten + (kImported - kWritten) * done);
+  }
+  return all;
+}
+
+}  // namespace
+
+Result<groom::ImportOptions> ToGuideOptions(const v1::ApplyStyleHeader& header) {
+  auto options = ToImportOptions(header.guides());
+  Result<void> valid;
+  if (options) valid = groom::ValidateImportOptions(*options);
+  const Error* wrong = !options ? &options.error() : !valid ? &valid.error() : nullptr;
+  if (wrong == nullptr) return options;
+  // They are called header.import_options where grooms are uploaded.
+  Error error = *wrong;
+  constexpr std::string_view kThere = "header.import_options";
+  for (std::string* text : {&error.field, &error.message}) {
+    for (size_t at = text->find(kThere); at != std::string::npos; at = text->find(kThere, at)) {
+      text->replace(at, kThere.size(), "header.guides");
+    }
+  }
+  return error;
+}
+
+Result<void> AdmitStyle(const styling::Style& style, const groom::ImportOptions& guides,
+                        const groom::Limits& limits) {
+  if (style.wisp_count > limits.max_guides) {
+    return groom::TooMany("header.style.wisp_count", "guides", style.wisp_count, limits.max_guides);
+  }
+  if (style.strand_count > limits.max_hairs) {
+    return groom::TooMany("header.style.strand_count", "hairs", style.strand_count,
+                          limits.max_hairs);
+  }
+  // Masters have some 30 control points; what they really have shows when the style is applied.
+  const double seconds = style.wisp_count * groom::ImportCost(30, guides);
+  if (seconds <= limits.max_import_cost_s) return {};
+  return Error{ErrorCode::kResourceExhausted,
+               fmt::format("{} master strands would take {:.0f} s to become guides; at most {:.0f} "
+                           "s are allowed: use fewer wisps, or fewer elements a guide",
+                           style.wisp_count, seconds, limits.max_import_cost_s),
+               "header.style.wisp_count"};
+}
+
+Result<void> StyleJobs::Run(const std::string& job, jobs::JobContext& context) {
+  StoredStyle spec;
+  if (!spec.ParseFromString(context.spec())) {
+    return Error{ErrorCode::kInternal, "the stored style does not parse", ""};
+  }
+  const base::Cancelled cancelled = [&context] { return context.Cancelled(); };
+  const auto style = ToStyle(spec.header().style(), "header.style");
+  if (!style) return style.error();
+  const auto options = ToGuideOptions(spec.header());
+  if (!options) return options.error();
+  auto parts = ToParts(spec);
+  if (!parts) return parts.error();
+  auto contact = library_.PrepareContact(*parts, cancelled);
+  if (context.Cancelled()) return jobs::JobContext::StoppedError();
+  if (!contact) return contact.error();
+
+  LastHead head = Take(spec);
+  if (head.stylist == nullptr) {
+    auto obstacles = MakeObstacles(library_, *parts, cancelled);
+    if (context.Cancelled()) return jobs::JobContext::StoppedError();
+    if (!obstacles) return obstacles.error();
+    head.stylist = std::make_unique<styling::Stylist>(parts->scalp, *std::move(obstacles));
+  }
+  const auto hairstyle =
+      head.stylist->Apply(*style, "header.style", pool_, cancelled,
+                          [&context](double done) { context.Progress(kStyled * done); });
+  if (context.Cancelled()) return jobs::JobContext::StoppedError();
+  if (!hairstyle) return hairstyle.error();
+  const styling::Hairstyle& h = **hairstyle;
+  v1::StyleReport report = MakeReport(*style, h, head.stylist->times());
+  Keep(std::move(head));
+
+  if (const auto ok = WriteHairstyle(*style, h, context); !ok) return ok;
+  context.Progress(kWritten);
+  const double begin = base::SteadySeconds();
+  auto import = ImportMasters(h.masters, *options, pool_, context);
+  if (!import) return import.error();
+  GroomLibrary::Draft draft{spec.header().groom_id(), "style-" + job, *std::move(parts), {}, {}};
+  draft.contact = *std::move(contact);
+  draft.parts.hairs = std::make_shared<const groom::Hairs>(
+      styling::ToHairs(h.roots, h.masters, h.members, h.colours, import->guides, import->rest));
+  FromImport(*options, import->outcomes, &draft.import_report.emplace());
+  draft.parts.guides = std::move(import->guides);
+  draft.parts.rest = std::move(import->rest);
+  const auto record = library_.Create(std::move(draft));
+  if (!record) return record.error();
+  report.set_groom("grooms/" + record->id);
+  report.set_seconds_guides(base::SteadySeconds() - begin);
+  v1::HairstylePart last;
+  *last.mutable_report() = std::move(report);
+  return context.AppendResult(last.SerializeAsString());
+}
+
+StyleJobs::LastHead StyleJobs::Take(const StoredStyle& spec) {
+  StoredStyle head;
+  *head.mutable_scalp_mesh() = spec.scalp_mesh();
+  *head.mutable_bodies() = spec.bodies();
+  if (spec.header().has_ellipsoid())
+    *head.mutable_header()->mutable_ellipsoid() = spec.header().ellipsoid();
+  const std::string bytes = head.SerializeAsString();
+  std::lock_guard lock(mutex_);
+  if (last_.head != bytes) return {bytes, nullptr};
+  return {bytes, std::move(last_.stylist)};
+}
+
+void StyleJobs::Keep(LastHead head) {
+  std::lock_guard lock(mutex_);
+  last_ = std::move(head);
+}
+
+}  // namespace mane::rpc

@@ -1,0 +1,144 @@
+#include "rpc/style_result.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "rpc/convert_values.h"
+#include "styling/colour.h"
+#include "styling/map.h"
+#include "styling/png_image.h"
+
+namespace mane::rpc {
+namespace {
+
+constexpr size_t kBytesPerPart = 512 * 1024;
+constexpr int kMapSize = 512;  // Pixels.
+
+template <typename Entry>
+void Append(const Entry& entry, std::string* bytes) {
+  bytes->append(reinterpret_cast<const char*>(&entry), sizeof(entry));
+}
+
+template <typename Entry>
+void Append(const std::vector<Entry>& entries, size_t begin, size_t end, std::string* bytes) {
+  bytes->append(reinterpret_cast<const char*>(entries.data() + begin),
+                (end - begin) * sizeof(Entry));
+}
+
+// Sends a part when it is large, and begins the next.
+class PartWriter {
+ public:
+  explicit PartWriter(jobs::JobContext& context) : context_(context) {}
+
+  v1::HairstylePart part;
+
+  Result<void> WriteIfLarge(size_t bytes) {
+    return bytes < kBytesPerPart ? Result<void>() : Write();
+  }
+  Result<void> Write() {
+    if (part.part_case() == v1::HairstylePart::PART_NOT_SET) return {};
+    const auto ok = context_.AppendResult(part.SerializeAsString());
+    part.Clear();
+    return ok;
+  }
+
+ private:
+  jobs::JobContext& context_;
+};
+
+Result<void> WriteMasters(const styling::Masters& masters, PartWriter* writer) {
+  for (int wisp = 0; wisp < masters.wisps(); ++wisp) {
+    v1::HairstylePart::Masters* message = writer->part.mutable_masters();
+    const uint32_t begin = masters.first_joint[wisp], end = masters.first_joint[wisp + 1];
+    Append(end - begin, message->mutable_joint_counts());
+    Append(masters.length[wisp], message->mutable_lengths());
+    Append(masters.outline, begin, end, message->mutable_outline());
+    Append(masters.points, begin, end, message->mutable_points());
+    if (const auto ok = writer->WriteIfLarge(2 * message->points().size()); !ok) return ok;
+  }
+  return writer->Write();
+}
+
+Result<void> WriteMembers(const styling::Roots& roots, const styling::Members& members,
+                          const std::vector<styling::Hsv>& colours, PartWriter* writer) {
+  for (int wisp = 0; wisp < roots.wisps(); ++wisp) {
+    for (uint32_t i = roots.first_member[wisp]; i < roots.first_member[wisp + 1]; ++i) {
+      v1::HairstylePart::Members* message = writer->part.mutable_members();
+      const uint32_t begin = members.first_point[i], end = members.first_point[i + 1];
+      Append(static_cast<uint32_t>(wisp), message->mutable_wisps());
+      Append(end - begin, message->mutable_point_counts());
+      Append(members.points, begin, end, message->mutable_points());
+      Append(styling::ToRgb8(colours[i]), message->mutable_colours());
+      if (const auto ok = writer->WriteIfLarge(message->points().size()); !ok) return ok;
+    }
+  }
+  return writer->Write();
+}
+
+Result<void> WriteDensity(const styling::DensityField& density, PartWriter* writer) {
+  const std::vector<float>& values = density.values();
+  for (size_t begin = 0; begin < values.size(); begin += kBytesPerPart / sizeof(float)) {
+    v1::HairstylePart::DensityField* message = writer->part.mutable_density();
+    FromVector(density.low(), message->mutable_low());
+    message->set_cell_m(density.cell());
+    message->set_nodes_x(density.nodes().x());
+    message->set_nodes_y(density.nodes().y());
+    message->set_nodes_z(density.nodes().z());
+    FromEntries(values, begin, kBytesPerPart / sizeof(float), message->mutable_values());
+    if (const auto ok = writer->Write(); !ok) return ok;
+  }
+  return {};
+}
+
+Result<void> WriteMaps(const styling::Style& style, PartWriter* writer) {
+  const std::pair<const char*, const styling::ScalpMap*> maps[] = {
+      {"density", &style.density}, {"length", &style.length}, {"protrusion", &style.protrusion}};
+  for (const auto& [name, map] : maps) {
+    const styling::Painting painting = styling::Paint(*map, kMapSize);
+    v1::HairstylePart::Map* message = writer->part.mutable_map();
+    message->set_name(name);
+    message->set_white(painting.scale);
+    message->set_png(styling::EncodePng(painting.image));
+    if (const auto ok = writer->Write(); !ok) return ok;
+  }
+  return {};
+}
+
+}  // namespace
+
+v1::StyleReport MakeReport(const styling::Style& style, const styling::Hairstyle& hairstyle,
+                           const styling::StageTimes& times) {
+  v1::StyleReport report;
+  for (const styling::ConstraintOutcome& outcome : hairstyle.solved.outcomes) {
+    v1::StyleReport::Outcome* message = report.add_outcomes();
+    message->set_queue(outcome.queue);
+    message->set_queue_name(style.queues[outcome.queue].name);
+    message->set_constraint(outcome.constraint);
+    message->set_selected(outcome.selected);
+    message->set_met(outcome.met);
+  }
+  report.set_wisp_count(hairstyle.roots.wisps());
+  report.set_strand_count(hairstyle.members.strands());
+  report.set_control_point_count(hairstyle.members.points.size());
+  report.set_crowded_segments(hairstyle.solved.crowded_segments);
+  report.set_seconds_roots(times.roots);
+  report.set_seconds_masters(times.masters);
+  report.set_seconds_deformation(times.deformation);
+  report.set_seconds_members(times.members);
+  return report;
+}
+
+Result<void> WriteHairstyle(const styling::Style& style, const styling::Hairstyle& hairstyle,
+                            jobs::JobContext& context) {
+  PartWriter writer(context);
+  if (const auto ok = WriteMasters(hairstyle.masters, &writer); !ok) return ok;
+  const auto members = WriteMembers(hairstyle.roots, hairstyle.members, hairstyle.colours, &writer);
+  if (!members) return members;
+  if (const auto ok = WriteDensity(*hairstyle.density, &writer); !ok) return ok;
+  return WriteMaps(style, &writer);
+}
+
+}  // namespace mane::rpc
