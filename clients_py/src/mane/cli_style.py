@@ -294,10 +294,8 @@ def _changed(style: Style, strands: int | None, wisps: int | None, seed: int | N
 
 def _wait(client: Client, job: Job) -> None:
     """Follows a job to its end. Raises JobFailed where it failed; an interrupt cancels it."""
-    last = job
     try:
-        for last in watched(client.watch_job(job), f"styling {job.name}"):
-            pass
+        *_, last = watched(client.watch_job(job), f"styling {job.name}")
     except KeyboardInterrupt:
         client.cancel_job(job)
         err.print(f"cancelled {job.name}")

@@ -199,7 +199,11 @@ class Style:
         return self._dressed(region, cut=cut)
 
     def wave(
-        self, region: Region | None = None, kind: StrandKind | str = "wavy", **synthesis
+        self,
+        region: Region | None = None,
+        *,
+        kind: StrandKind | str = StrandKind.WAVY,
+        **synthesis,
     ) -> Style:
         """Gives hair of a region another pattern.
 
@@ -264,8 +268,11 @@ class Style:
 
     def _dressed(self, region: Region | None, **operation) -> Style:
         changed = self.copy()
-        where = None if region is None else region.message()
-        changed.message.operations.add(region=where, **operation)
+        added = changed.message.operations.add(**operation)
+        if region is not None:
+            if not isinstance(region, Region):
+                raise InvalidArgument.of("region", f"is {region!r}, must be a Region")
+            added.region.CopyFrom(region.message())
         return changed
 
 
