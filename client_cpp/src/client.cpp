@@ -87,6 +87,31 @@ Result<void> Client::DeleteGroom(const std::string& name) {
   return {};
 }
 
+Result<GroomHairs> Client::GetHairs(const std::string& name) {
+  grpc::ClientContext context;
+  impl_->transport()->PrepareCall(context);
+  v1::ExportGroomRequest request;
+  request.set_name(name);
+  const auto reader = impl_->grooms().ExportGroom(&context, request);
+  GroomHairs out;
+  v1::ExportGroomResponse part;
+  while (reader->Read(&part)) {
+    if (part.has_groom()) out.hairs.offset_unit_m = part.groom().hair_offset_unit_m();
+    for (const v1::Guide& guide : part.guides().guides()) {
+      const v1::Quaternion& q = guide.root_frame();
+      out.root_frames.push_back(guide.has_root_frame() ? Quaternion{q.x(), q.y(), q.z(), q.w()}
+                                                       : Quaternion());
+    }
+    AppendNumbers(part.hairs().guides(), out.hairs.guides);
+    AppendNumbers(part.hairs().point_counts(), out.hairs.point_counts);
+    AppendNumbers(part.hairs().places(), out.hairs.places);
+    AppendNumbers(part.hairs().colours(), out.hairs.colours);
+  }
+  const grpc::Status status = reader->Finish();
+  if (!status.ok()) return ToError(status);
+  return out;
+}
+
 Result<ImportReport> Client::GetImportReport(const std::string& name) {
   grpc::ClientContext context;
   impl_->transport()->PrepareCall(context);

@@ -140,6 +140,8 @@ GroomInfo FromProto(const v1::Groom& groom) {
   out.body_count = groom.body_count();
   for (const v1::BodySummary& body : groom.bodies()) out.bodies.push_back(FromProto(body));
   if (groom.has_scalp_contact()) out.scalp_contact = FromProto(groom.scalp_contact());
+  out.hair_count = groom.hair_count();
+  out.hair_point_count = groom.hair_point_count();
   return out;
 }
 

@@ -44,6 +44,13 @@ std::vector<Number> Numbers(const std::string& bytes) {
   return numbers;
 }
 
+/// The same, at the end of `numbers`.
+template <typename Number>
+void AppendNumbers(const std::string& bytes, std::vector<Number>& numbers) {
+  const std::vector<Number> more = Numbers<Number>(bytes);
+  numbers.insert(numbers.end(), more.begin(), more.end());
+}
+
 /// Puts the fields that `change` sets over those of `environment`.
 void Merge(const Environment& change, Environment& environment);
 /// Puts the poses that `change` names over those of `bodies`.

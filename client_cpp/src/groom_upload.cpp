@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <string>
 #include <variant>
 #include <vector>
@@ -34,6 +36,7 @@ v1::CreateGroomRequest Header(const GroomUpload& upload) {
   if (const auto* import = std::get_if<StrandImport>(&upload.guides)) {
     *header.mutable_import_options() = ToProto(import->options);
   }
+  header.set_hair_offset_unit_m(upload.hairs.offset_unit_m);
   if (upload.scalp_contact) *header.mutable_scalp_contact() = ToProto(*upload.scalp_contact);
   return request;
 }
@@ -113,6 +116,42 @@ bool WriteBody(const Body& body, const Write& write) {
              write);
 }
 
+// Entries from `first` on, `count` of them or as many as there are, as bytes.
+template <typename Entry>
+std::string Piece(const std::vector<Entry>& entries, size_t first, size_t count) {
+  first = std::min(first, entries.size());
+  count = std::min(count, entries.size() - first);
+  return {reinterpret_cast<const char*>(entries.data() + first), count * sizeof(Entry)};
+}
+
+// Batches of whole hairs. The last one has the rest of every list, so that lists that do not fit
+// each other arrive as such, and are refused by name.
+bool WriteHairs(const Hairs& hairs, const Write& write) {
+  const std::vector<std::uint16_t>& counts = hairs.point_counts;
+  size_t place = 0;
+  for (size_t hair = 0; hair < hairs.guides.size();) {
+    size_t end = hair, points = 0;
+    while (end < hairs.guides.size() &&
+           points * sizeof(HairPlace) + 9 * (end - hair) < kBatchBytes) {
+      points += end < counts.size() ? counts[end] : 0;
+      ++end;
+    }
+    const auto whole = [last = end == hairs.guides.size()](size_t count) {
+      return last ? std::numeric_limits<size_t>::max() : count;
+    };
+    v1::CreateGroomRequest request;
+    v1::HairBatch& batch = *request.mutable_hairs();
+    batch.set_guides(Piece(hairs.guides, hair, end - hair));
+    batch.set_point_counts(Piece(counts, hair, whole(end - hair)));
+    batch.set_places(Piece(hairs.places, place, whole(points)));
+    batch.set_colours(Piece(hairs.colours, 3 * hair, whole(3 * (end - hair))));
+    if (!write(request)) return false;
+    hair = end;
+    place += points;
+  }
+  return true;
+}
+
 }  // namespace
 
 void ForEachPart(const GroomUpload& upload, const Write& write) {
@@ -128,6 +167,7 @@ void ForEachPart(const GroomUpload& upload, const Write& write) {
   } else if (const auto* import = std::get_if<StrandImport>(&upload.guides)) {
     if (!WriteBatches(import->strands, AddStrand, write)) return;
   }
+  if (!WriteHairs(upload.hairs, write)) return;
   v1::CreateGroomRequest commit;
   commit.mutable_commit();
   write(commit);

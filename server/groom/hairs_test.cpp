@@ -161,7 +161,7 @@ TEST(HairsTest, EveryFaultIsNamed) {
     bad.spoil(hairs);
     const auto result = ValidateHairs(hairs, 2, {});
     EXPECT_EQ(result ? "" : result.error().field, bad.field);
-    if (!result) EXPECT_EQ(result.error().code, ErrorCode::kInvalidArgument);
+    EXPECT_TRUE(result || result.error().code == ErrorCode::kInvalidArgument);
   }
   for (Limits limits : {Limits{.max_hairs = 2}, Limits{.max_hair_points = 6}}) {
     const auto result = ValidateHairs(ThreeHairs(), 2, limits);

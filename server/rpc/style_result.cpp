@@ -71,7 +71,7 @@ Result<void> WriteMembers(const styling::Roots& roots, const styling::Members& m
       Append(static_cast<uint32_t>(wisp), message->mutable_wisps());
       Append(end - begin, message->mutable_point_counts());
       Append(members.points, begin, end, message->mutable_points());
-      Append(styling::ToRgb8(colours[i]), message->mutable_colours());
+      Append(styling::HsvToRgb8(colours[i]), message->mutable_colours());
       if (const auto ok = writer->WriteIfLarge(message->points().size()); !ok) return ok;
     }
   }
@@ -79,14 +79,15 @@ Result<void> WriteMembers(const styling::Roots& roots, const styling::Members& m
 }
 
 Result<void> WriteDensity(const styling::DensityField& density, PartWriter* writer) {
-  const std::vector<float>& values = density.values();
+  const std::vector<float> values = density.Values();
+  const styling::GridBox& box = density.box();
   for (size_t begin = 0; begin < values.size(); begin += kBytesPerPart / sizeof(float)) {
     v1::HairstylePart::DensityField* message = writer->part.mutable_density();
-    FromVector(density.low(), message->mutable_low());
-    message->set_cell_m(density.cell());
-    message->set_nodes_x(density.nodes().x());
-    message->set_nodes_y(density.nodes().y());
-    message->set_nodes_z(density.nodes().z());
+    FromVector(box.low.cast<double>(), message->mutable_low());
+    message->set_cell_m(box.cell);
+    message->set_nodes_x(static_cast<uint32_t>(box.nodes.x()));
+    message->set_nodes_y(static_cast<uint32_t>(box.nodes.y()));
+    message->set_nodes_z(static_cast<uint32_t>(box.nodes.z()));
     FromEntries(values, begin, kBytesPerPart / sizeof(float), message->mutable_values());
     if (const auto ok = writer->Write(); !ok) return ok;
   }
@@ -112,18 +113,21 @@ Result<void> WriteMaps(const styling::Style& style, PartWriter* writer) {
 v1::StyleReport MakeReport(const styling::Style& style, const styling::Hairstyle& hairstyle,
                            const styling::StageTimes& times) {
   v1::StyleReport report;
-  for (const styling::ConstraintOutcome& outcome : hairstyle.solved.outcomes) {
-    v1::StyleReport::Outcome* message = report.add_outcomes();
-    message->set_queue(outcome.queue);
-    message->set_queue_name(style.queues[outcome.queue].name);
-    message->set_constraint(outcome.constraint);
-    message->set_selected(outcome.selected);
-    message->set_met(outcome.met);
+  for (size_t queue = 0; queue < hairstyle.solved.constraints.size(); ++queue) {
+    const auto& constraints = hairstyle.solved.constraints[queue];
+    for (size_t i = 0; i < constraints.size(); ++i) {
+      v1::StyleReport::Outcome* message = report.add_outcomes();
+      message->set_queue(static_cast<uint32_t>(queue));
+      message->set_queue_name(style.queues[queue].name);
+      message->set_constraint(static_cast<uint32_t>(i));
+      message->set_selected(static_cast<uint32_t>(constraints[i].selected));
+      message->set_met(static_cast<uint32_t>(constraints[i].met));
+    }
   }
-  report.set_wisp_count(hairstyle.roots.wisps());
-  report.set_strand_count(hairstyle.members.strands());
+  report.set_wisp_count(static_cast<uint32_t>(hairstyle.roots.wisps()));
+  report.set_strand_count(static_cast<uint32_t>(hairstyle.members.strands()));
   report.set_control_point_count(hairstyle.members.points.size());
-  report.set_crowded_segments(hairstyle.solved.crowded_segments);
+  report.set_crowded_segments(static_cast<uint32_t>(hairstyle.solved.dense_segments));
   report.set_seconds_roots(times.roots);
   report.set_seconds_masters(times.masters);
   report.set_seconds_deformation(times.deformation);

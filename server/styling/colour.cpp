@@ -56,4 +56,13 @@ std::array<float, 3> HsvToRgb(const Hsv& hsv) {
   return rgb;
 }
 
+std::array<uint8_t, 3> HsvToRgb8(const Hsv& hsv) {
+  std::array<uint8_t, 3> rgb{};
+  const std::array<float, 3> colour = HsvToRgb(hsv);
+  for (int i = 0; i < 3; ++i) {
+    rgb[i] = static_cast<uint8_t>(std::lround(255 * std::clamp(colour[i], 0.0F, 1.0F)));
+  }
+  return rgb;
+}
+
 }  // namespace mane::styling

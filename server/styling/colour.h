@@ -21,5 +21,7 @@ namespace mane::styling {
 
 /// Red, green, blue in [0, 1]. Hue has period 1.
 [[nodiscard]] std::array<float, 3> HsvToRgb(const Hsv& hsv);
+/// The same in 8 bits a channel, rounded.
+[[nodiscard]] std::array<uint8_t, 3> HsvToRgb8(const Hsv& hsv);
 
 }  // namespace mane::styling

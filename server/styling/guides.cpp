@@ -1,8 +1,6 @@
 #include "styling/guides.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 
 #include "base/check.h"
 #include "styling/colour.h"
@@ -36,15 +34,6 @@ void PartsOfJoints(const Masters& masters, int wisp, std::vector<float>* parts) 
   }
   const float length = parts->back();
   for (float& part : *parts) part = std::min(part / length, 1.0F);
-}
-
-std::array<uint8_t, 3> ToRgb(const Hsv& hsv) {
-  std::array<uint8_t, 3> rgb{};
-  const std::array<float, 3> colour = HsvToRgb(hsv);
-  for (int i = 0; i < 3; ++i) {
-    rgb[i] = static_cast<uint8_t>(std::lround(255 * std::clamp(colour[i], 0.0F, 1.0F)));
-  }
-  return rgb;
 }
 
 }  // namespace
@@ -91,7 +80,7 @@ groom::Hairs ToHairs(const Roots& roots, const Masters& masters, const Members& 
         parts[first + k] = k < of_joints.size() ? of_joints[k] : 1.0F;
       }
       hairs[strand] = {static_cast<uint32_t>(wisp), std::span(parts).subspan(first, points.size()),
-                       points, ToRgb(colours[strand])};
+                       points, HsvToRgb8(colours[strand])};
     }
   }
   return groom::RideOn(at_rest, hairs, true);

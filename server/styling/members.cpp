@@ -29,6 +29,13 @@ std::vector<size_t> Places(const Roots& roots, const Masters& masters) {
 
 }  // namespace
 
+float RadiusAt(std::span<const double> radii, double s) {
+  const double at = std::clamp(s, 0.0, 1.0) * static_cast<double>(radii.size() - 1);
+  const auto i = static_cast<size_t>(at);
+  if (i + 1 >= radii.size()) return static_cast<float>(radii.back());
+  return static_cast<float>(radii[i] + (at - static_cast<double>(i)) * (radii[i + 1] - radii[i]));
+}
+
 double Reach(const Distribution& length, double master_length, std::span<const double> radii) {
   const double widest = radii.empty() ? 0 : *std::max_element(radii.begin(), radii.end());
   return master_length * std::max(1.0, Quantile(length).high()) + std::numbers::pi * widest;

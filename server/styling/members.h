@@ -16,6 +16,9 @@ namespace mane::styling {
 [[nodiscard]] double Reach(const Distribution& length, double master_length,
                            std::span<const double> radii);
 
+/// r(s) [m]: `radii` at equal distances from s = 0 to 1, linear between them, constant beyond.
+[[nodiscard]] float RadiusAt(std::span<const double> radii, double s);
+
 /// Member strands by [CK05] (1), wisps.md (W13) to (W17).
 ///
 /// Point k of a member lies at its master's point k plus F_k d_k, with F_k the frame of joint k, so

@@ -83,10 +83,11 @@ TEST(OutlineTest, AHelixHasAStraightAxisAndItsRadius) {
       EXPECT_NEAR(parts.structure, 0.02, 2e-4);
       const Vector3d axis = kAnyTurn * Vector3d::UnitX();
       for (int i = 0; i < parts.points(); ++i) {
-        // A window that is 1 % too long leaves 1 % of the radius.
-        EXPECT_LT(parts.outline[i].cross(axis).norm(), 0.015 * radius);
-        EXPECT_NEAR(parts.details[i].norm(), radius, 0.02 * radius);
-        EXPECT_LT(std::abs(parts.details[i].x()), 0.02 * radius);
+        // Of few turns the line of regression takes a part with it, and the window is off by that.
+        const double tolerance = 0.1 / turns * radius;
+        EXPECT_LT(parts.outline[i].cross(axis).norm(), tolerance);
+        EXPECT_NEAR(parts.details[i].norm(), radius, tolerance);
+        EXPECT_LT(std::abs(parts.details[i].x()), tolerance);
       }
       EXPECT_EQ(parts.points(), static_cast<int>(turns * 5 + 0.05) + 1);
     }

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "styling/constraint.h"
 #include "styling/region.h"
 
 namespace mane::styling {
@@ -36,7 +37,6 @@ Result<std::vector<std::vector<uint32_t>>> SelectWisps(const std::vector<Constra
                                                        const Roots& roots, const ScalpChart& chart,
                                                        const std::string& field) {
   std::vector<std::vector<uint32_t>> selected(queues.size());
-  std::vector<int> leader(roots.wisps(), -1);
   for (size_t i = 0; i < queues.size(); ++i) {
     const ConstraintQueue& queue = queues[i];
     const std::string path = fmt::format("{}.queues[{}].selection", field, i);
@@ -60,17 +60,10 @@ Result<std::vector<std::vector<uint32_t>>> SelectWisps(const std::vector<Constra
              all.begin() + static_cast<long>(all.size() * (share + 1) / parts)};
       std::sort(all.begin(), all.end());
     }
-    for (const uint32_t wisp : all) {
-      if (leader[wisp] >= 0) {
-        return InvalidArgument(
-            path, fmt::format("{} (\"{}\") holds wisp {}, which queues[{}] (\"{}\") leads already: "
-                              "hair can follow one queue only",
-                              path, queue.name, wisp, leader[wisp], queues[leader[wisp]].name));
-      }
-      leader[wisp] = static_cast<int>(i);
-    }
     selected[i] = std::move(all);
   }
+  const auto apart = ValidateSelections(queues, selected, roots.wisps(), field + ".queues");
+  if (!apart) return apart.error();
   return selected;
 }
 

@@ -12,6 +12,7 @@
 namespace mane::styling {
 namespace {
 
+constexpr int kLanes = 16;
 constexpr uint64_t kSalt = 0x53594e5448455349;  // Of this file's streams.
 constexpr float kNegligible = 40;               // exp(-40) of the best match's weight.
 
@@ -44,7 +45,7 @@ Result<PrototypeModel> PrototypeModel::Make(const Pattern& pattern, const Synthe
   model.fade_ = std::max(1, P);
   model.temperature_ = synthesis.temperature * model.rms_;
   if (smooth) return model;
-  model.distance2_.resize(static_cast<size_t>(m) * m);
+  model.distance2_.resize(static_cast<size_t>(m) * m + kLanes);  // Next reads a little beyond.
   for (int j = 0; j < m; ++j)
     for (int k = 0; k < m; ++k)
       model.distance2_[static_cast<size_t>(j) * m + k] =
@@ -54,12 +55,16 @@ Result<PrototypeModel> PrototypeModel::Make(const Pattern& pattern, const Synthe
 
 int PrototypeModel::Next(std::span<const int> past, double u) const {
   const int m = size(), n = static_cast<int>(past.size());
-  std::array<float, kMostDetails> energy;  // Of candidates n, ..., m - 1.
-  // (W9) squared: candidate k follows the window that ends in k - 1.
-  std::fill(energy.begin() + n, energy.begin() + m, 0.0F);
-  for (int t = 1; t <= n; ++t) {
-    const float* row = &distance2_[static_cast<size_t>(past[n - t]) * m];
-    for (int k = n; k < m; ++k) energy[k] += row[k - t];
+  // (W9) squared: candidate k = n, ..., m - 1 follows the window that ends in k - 1. Sixteen sums
+  // stay in registers; those beyond m - 1 add up what is behind the row and count for nothing.
+  std::array<float, kMostDetails + kLanes> energy;
+  for (int begin = n; begin < m; begin += kLanes) {
+    std::array<float, kLanes> sum{};
+    for (int t = 1; t <= n; ++t) {
+      const float* row = &distance2_[static_cast<size_t>(past[n - t]) * m + begin - t];
+      for (int lane = 0; lane < kLanes; ++lane) sum[lane] += row[lane];
+    }
+    std::copy(sum.begin(), sum.end(), energy.begin() + begin);
   }
   const auto best = std::min_element(energy.begin() + n, energy.begin() + m);
   if (temperature_ == 0) return static_cast<int>(best - energy.begin());

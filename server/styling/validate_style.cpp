@@ -27,6 +27,7 @@ constexpr Range kCellRange{1e-3, 0.1, "m"};
 constexpr Range kShareRange{0, 1};
 constexpr Range kCutRange{0, kLongest, "m", true};
 constexpr Range kOffsetRange{-100, 100, "m"};
+constexpr Range kConstraintRadiusRange{0, 10, "m", true};
 constexpr Range kBraidRadiusRange{1e-3, 1, "m"};
 constexpr Range kBraidPeriodRange{5e-3, 10, "m"};
 
@@ -99,8 +100,9 @@ struct WhatValidator {
   }
   Result<void> operator()(const Operation::Comb& comb) const {
     if (const auto ok = ValidatePath(comb.path, field + ".comb.path"); !ok) return ok;
-    const Constraint lead{Constraint::Kind::kDirection, comb.path, comb.radius, comb.weight};
-    return Validate(lead, field + ".comb");
+    const auto ok = Check(field + ".comb.radius_m", comb.radius, kConstraintRadiusRange);
+    if (!ok) return ok;
+    return Check(field + ".comb.weight", comb.weight, kShareRange);
   }
   Result<void> operator()(const Operation::Tie& tie) const {
     const auto ok = groom::CheckVector(field + ".tie.point", tie.point, kOffsetRange);
@@ -139,18 +141,12 @@ Result<void> ValidateStyle(const Style& style, const std::string& field) {
   if (!members) return members;
   if (const auto ok = Validate(style.field, field + ".field"); !ok) return ok;
   for (size_t i = 0; i < style.queues.size(); ++i) {
-    const ConstraintQueue& queue = style.queues[i];
-    const std::string path = fmt::format("{}.queues[{}]", field, i);
-    const auto selection = Validate(queue.selection, path + ".selection", style.wisp_count);
-    if (!selection) return selection;
-    if (queue.constraints.empty()) {
-      return InvalidArgument(path + ".constraints", path + ".constraints is empty");
-    }
-    for (size_t k = 0; k < queue.constraints.size(); ++k) {
-      const auto ok = Validate(queue.constraints[k], fmt::format("{}.constraints[{}]", path, k));
-      if (!ok) return ok;
-    }
+    const auto ok = Validate(style.queues[i].selection,
+                             fmt::format("{}.queues[{}].selection", field, i), style.wisp_count);
+    if (!ok) return ok;
   }
+  const auto queues = Validate(style.queues, Obstacles(), field + ".queues");
+  if (!queues) return queues;
   return ValidateColouring(style.colour, field + ".colour");
 }
 

@@ -63,14 +63,14 @@ void WispGrower::Grow(int wisp, uint32_t first, std::span<const Vector3f> roots,
   points_ = std::span(masters_.points).subspan(joint, n);
   frames_ = std::span(masters_.frames).subspan(joint, n);
   own_joints_ = static_cast<double>(masters_.length[wisp]) / masters_.segment_length;
-  if (!keep_out_.empty()) keep_out_.Margins(points_, margin_);
+  keep_out_.Follow(points_);
 
   Start(first, roots);
   for (const Strand& strand : strands_)
     points[static_cast<size_t>(strand.number) * n] = strand.point;
   for (int k = 1; k < joints() && !strands_.empty(); ++k) {
     Propose(k);
-    if (!keep_out_.empty() && margin_[k] <= Radius(k)) StayOutside(k);
+    if (keep_out_.Gather(k, Radius(k))) StayOutside(k);
     std::erase_if(strands_, [&](Strand& strand) {
       const auto number = static_cast<size_t>(strand.number);
       return Advance(k, strand, points.subspan(number * n, n), counts[number]);
@@ -116,13 +116,13 @@ void WispGrower::StayOutside(int k) {
     if (distance_[i] >= 0) continue;
     Strand& strand = strands_[i];
     const Vector3f d = strand.point - points_[k];
-    const float part = keep_out_.Shorten(points_[k], d);
+    const float part = keep_out_.Shorten(points_[k], d, distance_[i]);
     strand.d *= part;
     strand.point = points_[k] + part * d;
   }
 }
 
-bool WispGrower::Advance(int k, Strand& strand, std::span<Vector3f> own, uint32_t& count) const {
+bool WispGrower::Advance(int k, Strand& strand, std::span<Vector3f> own, uint32_t& count) {
   const float step = (strand.point - own[k - 1]).norm();
   const double length = strand.length + static_cast<double>(step);
   if (length >= strand.target || k + 1 == joints()) {
@@ -135,7 +135,7 @@ bool WispGrower::Advance(int k, Strand& strand, std::span<Vector3f> own, uint32_
   return false;
 }
 
-uint32_t WispGrower::Finish(int k, const Strand& strand, std::span<Vector3f> own) const {
+uint32_t WispGrower::Finish(int k, const Strand& strand, std::span<Vector3f> own) {
   const auto left = static_cast<float>(strand.target - strand.length);
   const auto along = [&](const Vector3f& d, float length) -> Vector3f {
     const float norm = d.norm();
@@ -151,7 +151,7 @@ uint32_t WispGrower::Finish(int k, const Strand& strand, std::span<Vector3f> own
     tip = own[joint] + along(tip - own[joint], length);
   }
   // Nothing to do where all is outside that lies so near to the master.
-  if (!keep_out_.empty() && margin_[joint] <= (own[joint] - points_[joint]).norm() + length)
+  if (keep_out_.Gather(joint, (own[joint] - points_[joint]).norm() + length))
     tip = keep_out_.TurnOut(own[joint], tip);
   own[joint + 1] = tip;
   return static_cast<uint32_t>(joint) + 2;

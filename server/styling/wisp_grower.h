@@ -45,9 +45,9 @@ class WispGrower {
   // Shortens displacements that lead into obstacles.
   void StayOutside(int k);
   // Takes the proposed point as point k; true where the strand ends there.
-  bool Advance(int k, Strand& strand, std::span<Eigen::Vector3f> own, uint32_t& count) const;
+  bool Advance(int k, Strand& strand, std::span<Eigen::Vector3f> own, uint32_t& count);
   // The last point, which makes the length exact; returns how many points there are.
-  uint32_t Finish(int k, const Strand& strand, std::span<Eigen::Vector3f> own) const;
+  uint32_t Finish(int k, const Strand& strand, std::span<Eigen::Vector3f> own);
 
   [[nodiscard]] float Radius(int k) const;
   [[nodiscard]] int joints() const { return static_cast<int>(points_.size()); }
@@ -62,8 +62,7 @@ class WispGrower {
   // Of the wisp at hand.
   std::span<const Eigen::Vector3f> points_;  // p^M
   std::span<const Eigen::Quaternionf> frames_;
-  double own_joints_ = 0;      // The master's own length, in segments.
-  std::vector<float> margin_;  // About each p^M all is outside.
+  double own_joints_ = 0;  // The master's own length, in segments.
   std::vector<Strand> strands_;
   std::vector<Eigen::Vector3f> proposed_;
   std::vector<float> distance_;

@@ -1,4 +1,5 @@
 // Laws of hairs on their guides:
+//   numbers      those of the Python client, which shares no code
 //   inverse      OffsetOf gives back what AssembleHair made, on any guide
 //   guide        an offset of 0 lies on the guide: at its samples, and on an arc between them to
 //   the
@@ -87,6 +88,26 @@ std::vector<HairPlace> Places(std::mt19937& random, int count) {
 
 Vector3f OffsetAt(const HairPlace& place) {
   return kUnit * Vector3f(place.offset[0], place.offset[1], place.offset[2]);
+}
+
+TEST(AssembleHairTest, NumbersAreThoseOfThePythonClient) {
+  // clients_py/tests/test_hairs.py holds the same.
+  Guide guide;
+  for (const float k : {0.f, 1.f, 2.f, 3.f, 4.f, 5.f}) {
+    guide.points.emplace_back(0.01f * k, 0.002f * k * k, 0.0005f * k * k * k - 0.003f * k);
+  }
+  guide.root = Quaternionf(0.9f, 0.1f, -0.2f, 0.3f).normalized();
+  const std::vector<Vector3f> out = Assembled(guide, {{0, {0, 0, 0}},
+                                                      {6554, {1000, -2000, 3000}},
+                                                      {30000, {-32768, 0, 32767}},
+                                                      {50001, {5, 20000, -7}},
+                                                      {65535, {100, -100, 10000}}});
+  const Vector3f expected[] = {{0, 0, 0},
+                               {0.00652878f, -0.00131271f, 0.00126935f},
+                               {-0.00712824f, -0.01947397f, 0.01786211f},
+                               {0.02208322f, 0.04098368f, 0.01535518f},
+                               {0.044981f, 0.04338137f, 0.05306986f}};
+  for (size_t i = 0; i < out.size(); ++i) EXPECT_LT((out[i] - expected[i]).norm(), 5e-8f) << i;
 }
 
 TEST(AssembleHairTest, OffsetOfIsTheInverseOnAnyGuide) {

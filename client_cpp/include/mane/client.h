@@ -48,6 +48,8 @@ class Client {
   Result<std::vector<GroomInfo>> ListGrooms();
   /// Heads that animate the groom go on with their copy.
   Result<void> DeleteGroom(const std::string& name);
+  /// The hairs that ride on the guides; none for a groom without.
+  Result<GroomHairs> GetHairs(const std::string& name);
   /// kFailedPrecondition if the groom was not made from strands.
   Result<ImportReport> GetImportReport(const std::string& name);
   Result<RestShape> ComputeRestShape(const std::string& name, const RestShapeOptions& options = {});

@@ -8,6 +8,7 @@
 
 #include "mane/bodies.h"
 #include "mane/geometry.h"
+#include "mane/hairs.h"
 #include "mane/strands.h"
 
 namespace mane::inline client {
@@ -107,6 +108,7 @@ struct GroomUpload {
   std::variant<std::vector<Guide>, GuideGeneration, StrandImport> guides;
   std::optional<ScalpContact> scalp_contact = {};  ///< Set where hair meets the scalp.
   std::vector<Body> bodies = {};                   ///< What else it meets, at most 64.
+  Hairs hairs = {};  ///< That ride on the guides, however these are made; at most 1,000,000.
 };
 
 /// What the server tells about a stored groom.
@@ -125,6 +127,8 @@ struct GroomInfo {
   std::uint32_t body_count = 0;                 ///< That its hair meets, but for the scalp.
   std::vector<BodySummary> bodies;              ///< Those; ListGrooms() leaves them out.
   std::optional<ScalpContact> scalp_contact;    ///< Set where its hair meets the scalp.
+  std::uint32_t hair_count = 0;                 ///< Hairs that ride on its guides.
+  std::uint64_t hair_point_count = 0;           ///< Their control points.
 };
 
 /// How the head is held for a rest shape.

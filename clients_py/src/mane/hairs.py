@@ -62,11 +62,11 @@ class Hairs:
         _set(self, "offsets", np.float32, (points, 3))
         if self.colours is not None:
             _set(self, "colours", np.uint8, (len(self.guides), 3))
-        largest = float(np.abs(self.offsets).max(initial=0.0))
-        unit = self.offset_unit_m or max(largest / LARGEST_OFFSET, LEAST_UNIT_M)
-        if not largest <= unit * (LARGEST_OFFSET + 0.5):
+        low, high = (float(f(self.offsets, initial=0.0)) for f in (np.min, np.max))
+        unit = self.offset_unit_m or max(-low / LARGEST_OFFSET, high / LARGEST_OFFSET, LEAST_UNIT_M)
+        if not (unit > 0 and -32768.5 < low / unit and high / unit < 32767.5):
             raise InvalidArgument.of(
-                "offsets", f"reach {largest} m; in units of {unit} m at most 32767 of them may"
+                "offsets", f"lie in [{low}, {high}] m; they must be 16-bit numbers of {unit} m"
             )
         object.__setattr__(self, "offset_unit_m", float(unit))
 

@@ -1,0 +1,38 @@
+"""Times hairstyles on this machine: roots, master strands, their deformation, members and colours.
+
+Wavy hair of 28 cm on an ellipsoidal head with shoulders, 2,000 wisps, 28 control points a strand.
+strands_20k_s and strands_100k_s are whole styles from nothing on all cores (goals: 1 and 4 on two);
+restyle_after_one_change_s applies a style of 20,000 strands again after one number changed, by what
+changed. bytes_per_control_point is the peak of memory over the members' control points (goal: 40).
+The exponents are those of the whole time over strands (20,000 to 100,000), wisps (2,000 to 8,000)
+and cells of the density field (8 times as many), 1 being linear. The last line is one JSON object.
+tests/bench/run builds what it needs.
+"""
+
+import argparse
+import json
+import subprocess
+from pathlib import Path
+
+PROGRAM = Path(__file__).resolve().parents[2] / "build" / "bench" / "tests" / "bench" / "styling_speed"
+
+
+def main() -> None:
+    argparse.ArgumentParser(
+        prog="tests/bench/run styling",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    ).parse_args()
+    output = subprocess.run([PROGRAM], check=True, capture_output=True, text=True).stdout
+    result = json.loads(output)
+    for name, value in result.items():
+        if isinstance(value, dict):
+            for part, number in value.items():
+                print(f"{name + ' ' + part:<48}{number:>10}")
+        else:
+            print(f"{name:<48}{value:>10}")
+    print(json.dumps(result))
+
+
+if __name__ == "__main__":
+    main()
