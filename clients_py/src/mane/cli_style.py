@@ -46,15 +46,9 @@ def presets(context: typer.Context) -> None:
     mane style presets
     ```
     """
-    table = listing("name", "wisps", "strands", "what")
+    table = listing("name", "what")
     for preset in context.obj.style_presets():
-        message = preset.style.message
-        table.add_row(
-            preset.name,
-            str(message.wisp_count) if message.HasField("wisp_count") else "",
-            str(message.strand_count) if message.HasField("strand_count") else "",
-            preset.description,
-        )
+        table.add_row(preset.name, preset.description)
     out.print(table)
 
 
