@@ -8,6 +8,7 @@ ExportCall* ExportCall::Start(const Transport& transport, const std::string& gro
   auto* call = new ExportCall(std::move(done));
   transport.PrepareCall(call->context_);
   call->request_.set_name(groom);
+  call->request_.set_omit_hairs(true);
   transport.grooms().async()->ExportGroom(&call->context_, &call->request_, call);
   call->StartRead(&call->response_);
   call->StartCall();

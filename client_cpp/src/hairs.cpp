@@ -54,7 +54,7 @@ void Assemble(const wire::CarriedGuide& guide, std::span<const HairPlace> places
   std::array<Eigen::Vector3f, kBlock> points;
   for (std::size_t begin = 0; begin < places.size(); begin += kBlock) {
     const std::size_t count = std::min(kBlock, places.size() - begin);
-    std::memcpy(block.data(), places.data() + begin, count * sizeof(HairPlace));
+    std::memcpy(static_cast<void*>(block.data()), places.data() + begin, count * sizeof(HairPlace));
     wire::AssembleHair(guide, std::span(block).first(count), unit, std::span(points).first(count));
     std::memcpy(out + 3 * begin, points.data()->data(), 12 * count);
   }

@@ -56,6 +56,7 @@ def test_hairs_are_kept_over_a_restart(tmp_path):
         with mane.Client(daemon.address) as client:
             second = client.export_groom(groom)
             assert same(first.hairs, second.hairs)
+            assert client.export_groom(groom, hairs=False).hairs is None
             np.testing.assert_array_equal(first.hairs.colours, value.colours)
             again = client.create_groom(second.guides, hairs=second.hairs)
             assert again.etag == groom.etag != bald.etag

@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "groom/hairs.h"
 #include "groom/range.h"
 #include "groom/rest.h"
 #include "groom/validate.h"

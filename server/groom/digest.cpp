@@ -10,6 +10,7 @@
 #include <type_traits>
 
 #include "base/check.h"
+#include "groom/hairs.h"
 
 namespace mane::groom {
 namespace {

@@ -12,13 +12,14 @@
 #include <vector>
 
 #include "groom/body.h"
-#include "groom/hairs.h"
 #include "math/rigid.h"
 #include "rod/batch.h"
 #include "rod/strand.h"
 #include "rod/wound.h"
 
 namespace mane::groom {
+
+struct Hairs;  // groom/hairs.h
 
 /// Hair types of [SH06] Appendix B; kCustom is hair whose guides were uploaded.
 enum class HairType { kCustom, kAsianSmooth, kCaucasianWavy, kCaucasianCurly, kAfricanFuzzy };

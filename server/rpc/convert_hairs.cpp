@@ -1,6 +1,7 @@
 #include "rpc/convert_hairs.h"
 
 #include <cstdint>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -29,16 +30,16 @@ Result<void> AppendHairs(const v1::HairBatch& batch, groom::Hairs* hairs) {
       !ok) {
     return ok;
   }
-  for (const uint16_t count : counts) {
-    hairs->first_point.push_back(hairs->first_point.back() + count);
-  }
-  const size_t points = hairs->first_point.back() - hairs->places.size();
+  const size_t points = std::accumulate(counts.begin(), counts.end(), size_t{0});
   if (auto ok = CheckSize("hairs.places", batch.places().size() / sizeof(wire::HairPlace),
                           "control points", points);
       !ok) {
     return ok;
   }
   if (auto ok = AppendBytes(batch.places(), "hairs.places", &hairs->places); !ok) return ok;
+  for (const uint16_t count : counts) {
+    hairs->first_point.push_back(hairs->first_point.back() + count);
+  }
   const bool coloured = !hairs->colours.empty() || !batch.colours().empty();
   if (auto ok = AppendBytes(batch.colours(), "hairs.colours", &hairs->colours); !ok || !coloured) {
     return ok;

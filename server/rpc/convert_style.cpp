@@ -334,14 +334,15 @@ Result<decltype(styling::Operation::what)> ToWhat(const v1::HairdressingOperatio
   return InvalidArgument(field, fmt::format("{} says no operation", field));
 }
 
+// @param style  that it is for.
 Result<styling::Operation> ToOperation(const v1::HairdressingOperation& message,
-                                       const std::string& field) {
+                                       const styling::Style& style, const std::string& field) {
   auto region = ToRegion(message.region(), field + ".region");
   if (!region) return region.error();
   auto what = ToWhat(message, field);
   if (!what) return what.error();
   styling::Operation operation{*std::move(region), *std::move(what)};
-  if (const auto ok = styling::ValidateOperation(operation, field); !ok) return ok.error();
+  if (const auto ok = styling::ValidateOperation(operation, style, field); !ok) return ok.error();
   return operation;
 }
 
@@ -415,7 +416,10 @@ Result<styling::Style> ToStyle(const v1::Style& message, const std::string& fiel
   // Before operations: what they add has been checked as they were.
   if (const auto ok = styling::ValidateStyle(style, field); !ok) return ok.error();
   auto operations =
-      ToList(message.operations(), field + ".operations", kMaxOperations, ToOperation);
+      ToList(message.operations(), field + ".operations", kMaxOperations,
+             [&style](const v1::HairdressingOperation& operation, const std::string& path) {
+               return ToOperation(operation, style, path);
+             });
   if (!operations) return operations.error();
   for (const styling::Operation& operation : *operations) styling::Dress(operation, &style);
   return style;

@@ -22,8 +22,8 @@ constexpr int kDefaultPageSize = 100;
 // The parts of an export: the description, the scalp, bodies, guides, then hairs.
 class ExportParts {
  public:
-  ExportParts(GroomLibrary& library, std::string name)
-      : library_(library), name_(std::move(name)) {}
+  ExportParts(GroomLibrary& library, const v1::ExportGroomRequest& request)
+      : library_(library), name_(request.name()), omit_hairs_(request.omit_hairs()) {}
 
   Result<std::optional<v1::ExportGroomResponse>> Next() {
     v1::ExportGroomResponse part;
@@ -113,7 +113,7 @@ class ExportParts {
 
   // Nothing where there are none left.
   Result<std::optional<v1::ExportGroomResponse>> Hairs() {
-    if (groom_->hairs == nullptr || next_ == groom_->hairs->count()) {
+    if (omit_hairs_ || groom_->hairs == nullptr || next_ == groom_->hairs->count()) {
       return std::optional<v1::ExportGroomResponse>();
     }
     v1::ExportGroomResponse part;
@@ -125,6 +125,7 @@ class ExportParts {
 
   GroomLibrary& library_;
   const std::string name_;
+  const bool omit_hairs_;
   std::shared_ptr<const groom::Groom> groom_;
   Stage stage_ = Stage::kDescription;
   size_t body_ = 0;
@@ -180,7 +181,7 @@ grpc::ServerUnaryReactor* GroomService::DeleteGroom(grpc::CallbackServerContext*
 
 grpc::ServerWriteReactor<v1::ExportGroomResponse>* GroomService::ExportGroom(
     grpc::CallbackServerContext* /*context*/, const v1::ExportGroomRequest* request) {
-  auto parts = std::make_shared<ExportParts>(library_, request->name());
+  auto parts = std::make_shared<ExportParts>(library_, *request);
   return ChunkStream<v1::ExportGroomResponse>::Start(requests_, [parts] { return parts->Next(); });
 }
 

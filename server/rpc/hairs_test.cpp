@@ -50,11 +50,12 @@ void Append(const v1::HairBatch& from, v1::HairBatch* to) {
 class HairsTest : public ::testing::Test {
  protected:
   // The hairs of an export, whose messages are within the limit on received ones.
-  v1::HairBatch Export(const std::string& name, v1::Groom* groom) {
+  v1::HairBatch Export(const std::string& name, v1::Groom* groom, bool omit_hairs = false) {
     const auto stub = v1::GroomService::NewStub(server_.channel());
     grpc::ClientContext context;
     v1::ExportGroomRequest request;
     request.set_name(name);
+    request.set_omit_hairs(omit_hairs);
     const auto reader = stub->ExportGroom(&context, request);
     v1::HairBatch hairs;
     v1::ExportGroomResponse part;
@@ -94,6 +95,7 @@ TEST_F(HairsTest, ComeBackByteForByteAfterARestart) {
   const v1::HairBatch exported = Export(made.name(), &told);
   EXPECT_EQ(exported.SerializeAsString(), whole.SerializeAsString());
   EXPECT_EQ(told.SerializeAsString(), made.SerializeAsString());
+  EXPECT_TRUE(Export(made.name(), &told, true).guides().empty());
 
   auto equal = HairyUpload(exported);
   ASSERT_TRUE(server_.Upload(equal, &again).ok());

@@ -118,7 +118,7 @@ constexpr Preset kPresets[] = {
  "member_length": {"normal": {"mean": 0.9, "deviation": 0.1, "low": 0.5, "high": 1.1}},
  "radii_m": [0.008, 0.012],
  "fuzziness": 0.6,
- "segment_length_m": 0.0025,
+ "segment_length_m": 0.0015,
  "synthesis": {"prototype": {"kind": "STRAND_KIND_KINKY"}, "temperature": 0.3},
  "field": [{"kind": "KIND_RADIAL", "strength": 1, "center": {"x": 0, "y": 0.055, "z": 0.02}}],
  "bending_stiffness": 3,

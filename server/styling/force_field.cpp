@@ -25,6 +25,7 @@ constexpr groom::Range kNodes{2, kMostNodes};
 
 // Forces with a centre vanish there smoothly, within about this distance [m] (D2).
 constexpr double kCore = 1e-3;
+constexpr double kRounding = 1e-9;  // Of a place on a grid, in cells: its last nodes belong to it.
 
 bool HasDirection(FieldTerm::Kind kind) {
   return kind == FieldTerm::Kind::kUniform || kind == FieldTerm::Kind::kVortex;
@@ -87,10 +88,11 @@ double Fade(double distance, double radius) {
 Vector3d Interpolate(const FieldTerm::Grid& grid, const Vector3d& x) {
   const Vector3d place = (x - grid.low) / grid.cell;
   const Vector3d last = (grid.nodes.array() - 1).cast<double>();
-  if (!(place.array() >= 0).all() || !(place.array() <= last.array()).all()) {
+  if (!(place.array() >= -kRounding).all() || !(place.array() <= last.array() + kRounding).all()) {
     return Vector3d::Zero();
   }
-  const Eigen::Vector3i cell = place.cast<int>().cwiseMin(grid.nodes - Eigen::Vector3i(2, 2, 2));
+  const Eigen::Vector3i cell =
+      place.cast<int>().cwiseMax(0).cwiseMin(grid.nodes - Eigen::Vector3i(2, 2, 2));
   const Vector3d f = place - cell.cast<double>();
   Vector3d sum = Vector3d::Zero();
   for (int k = 0; k < 8; ++k) {

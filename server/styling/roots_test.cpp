@@ -54,7 +54,7 @@ ScalpMap Painted(int width, int height, std::vector<float> values) {
 template <typename BinOf>
 void ExpectProportional(const groom::Scalp& scalp, const ScalpMap& density, int bins,
                         const BinOf& bin_of) {
-  constexpr int kStrands = 40000, kPoints = 4000000;
+  constexpr int kStrands = 40000, kPoints = 800000;
   const ScalpChart chart(scalp);
   const groom::HairRegion region(scalp);
   std::vector<double> share(bins, 0), count(bins, 0);
@@ -81,7 +81,7 @@ void ExpectProportional(const groom::Scalp& scalp, const ScalpMap& density, int 
     ++degrees;
   }
   // Mean `degrees`, deviation sqrt(2 degrees); 4.5 of them. The integral's own error is that of a
-  // hundred times as many points: one percent of it.
+  // twenty times as many points: a twentieth of it.
   EXPECT_LT(chi_square, 1.05 * (degrees + 4.5 * std::sqrt(2.0 * degrees)));
 }
 

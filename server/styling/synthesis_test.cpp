@@ -114,7 +114,7 @@ TEST(SynthesisTest, DiversityGrowsWithTheTemperature) {
   const Pattern pattern = Curly();
   double last = Diversity(pattern, 0);
   EXPECT_LT(last, 1e-12);
-  for (double temperature : {0.03, 0.06, 0.12, 0.25, 0.5, 3.0}) {
+  for (double temperature : {0.03, 0.12, 0.6, 3.0}) {
     const double diversity = Diversity(pattern, temperature);
     EXPECT_GT(diversity, last) << temperature;
     last = diversity;

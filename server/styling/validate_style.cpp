@@ -107,8 +107,7 @@ struct WhatValidator {
   Result<void> operator()(const Operation::Tie& tie) const {
     const auto ok = groom::CheckVector(field + ".tie.point", tie.point, kOffsetRange);
     if (!ok) return ok;
-    return Validate(Constraint{Constraint::Kind::kPoint, {tie.point}, tie.radius, 1},
-                    field + ".tie");
+    return Check(field + ".tie.radius_m", tie.radius, kConstraintRadiusRange);
   }
   Result<void> operator()(const Operation::Braid& braid) const {
     if (const auto ok = ValidatePath(braid.path, field + ".braid.path"); !ok) return ok;

@@ -13,6 +13,10 @@ constexpr int kMostAlong = 8;         // Points along a segment.
 constexpr int kAround = 4;            // Around its end.
 constexpr float kRing = 0.70710678f;  // By the wisp's radius: half of a full tube lies within.
 
+// A wisp that is denser than tau alone collides with others, not with nobody: its rho_Delta counts
+// as this much of tau at most. No turn would help it otherwise.
+constexpr float kMostAlone = 0.99f;
+
 // Points that a segment occupies: a cell apart along it, its beginning left out, which no turn of
 // the joint moves; and around its end where the grid resolves the wisp's radius.
 struct Occupied {
@@ -40,6 +44,7 @@ struct Occupied {
 
 Crowding CrowdingTest::Of(const DensityField::Segment& next, float scale) const {
   const Occupied occupied(next, density.box().cell);
+  const float most = kMostAlone * tau;
   Crowding worst{-std::numeric_limits<float>::max(), Vector3f::Zero()};
   for (size_t i = 0; i < occupied.count; ++i) {
     DensityField::Stencil at = density.Look(occupied.point[i]);
@@ -47,7 +52,8 @@ Crowding CrowdingTest::Of(const DensityField::Segment& next, float scale) const 
     const float solid_share = i < static_cast<size_t>(occupied.along_count) ? 1 : 0;
     const float solid = solid_share * at.Value(at.solid);
     // The kernel adds `scale` at most: mostly nothing more need be known.
-    const float bound = hair_share * (at.Value(at.hair) + scale) + solid - tau;
+    const float bound =
+        hair_share * at.Value(at.hair) + std::min(hair_share * scale, most) + solid - tau;
     if (bound <= 0 || bound <= worst.excess) {
       if (bound > worst.excess) worst = {bound, Vector3f::Zero()};
       continue;
@@ -58,7 +64,8 @@ Crowding CrowdingTest::Of(const DensityField::Segment& next, float scale) const 
       density.Increase(laid.segment, laid.scale, at, &part);
       for (size_t k = 0; k < 8; ++k) at.hair[k] -= part[k];
     }
-    const float excess = hair_share * (at.Value(at.hair) + at.Value(added)) + solid - tau;
+    const float excess =
+        hair_share * at.Value(at.hair) + std::min(hair_share * at.Value(added), most) + solid - tau;
     if (excess <= worst.excess) continue;
     worst = {excess, hair_share * at.Slope(at.hair) + solid_share * at.Slope(at.solid)};
   }

@@ -10,8 +10,8 @@ namespace {
 using Eigen::Quaternionf;
 using Eigen::Vector3f;
 
-constexpr float kLeastTangent = 1e-12f;  // [m]
-constexpr float kLeastTurnable = 1e-6f;
+constexpr float kLeastLength = 1e-12f;  // [m]
+constexpr float kLeastDirection = 1e-6f;
 
 // P_k, k from -1 to n.
 Vector3f PointAt(std::span<const Vector3f> points, long k) {
@@ -48,8 +48,7 @@ Vector3f SplineAt(std::span<const Vector3f> points, const Station& at) {
   return a + u * (m0 + u * ((3 * chord - 2 * m0 - m1) + u * (m0 + m1 - 2 * chord)));
 }
 
-// F(s). Neighbours never stand farther apart than pi, half of that as quaternions: the mean of both
-// is at least 0.7 long.
+// F(s). Neighbouring quaternions are at most a right angle apart: the mean is at least 0.7 long.
 Quaternionf FrameAt(std::span<const Quaternionf> frames, const Station& at) {
   const Eigen::Vector4f mixed =
       (1 - at.u) * frames[at.j].coeffs() + at.u * frames[at.j + 1].coeffs();
@@ -64,21 +63,19 @@ void CarryFrames(const Quaternionf& root, std::span<const Vector3f> points,
   frames[0] = root;
   Vector3f before = root * Vector3f::UnitX();
   for (size_t k = 1; k < points.size(); ++k) {
-    const Vector3f tangent = TangentAt(points, static_cast<long>(k));
-    const float length = tangent.norm();
     frames[k] = frames[k - 1];
-    if (!(length >= kLeastTangent)) continue;
-    const Vector3f now = tangent / length;
-    const float w = 1 + before.dot(now);
+    const Vector3f chord = points[k] - points[k - 1];
+    const Vector3f tangent = TangentAt(points, static_cast<long>(k));
+    if (!(chord.norm() >= kLeastLength && tangent.norm() >= kLeastLength)) continue;
+    const Vector3f now = tangent.normalized(), a = chord.normalized();
+    const Vector3f v = now - before + 2 * a.dot(before) * a;
+    if (!(v.norm() >= kLeastDirection)) continue;
+    const Vector3f b = v.normalized();
     Quaternionf turn;
-    if (w < kLeastTurnable) {
-      turn.w() = 0;
-      turn.vec() = frames[k - 1] * Vector3f::UnitY();
-    } else {
-      turn.w() = w;
-      turn.vec() = before.cross(now);
-    }
-    frames[k] = (turn.normalized() * frames[k - 1]).normalized();
+    turn.w() = a.dot(b);
+    turn.vec() = a.cross(b);
+    if (turn.w() < 0) turn.coeffs() *= -1;  // So that neighbours are on one side, for (A3).
+    frames[k] = (turn * frames[k - 1]).normalized();
     before = now;
   }
 }

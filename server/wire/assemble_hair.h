@@ -21,16 +21,22 @@ namespace mane::wire {
 ///     F_0 = root frame, F_k = [T_k-1 -> T_k] F_k-1                                 (A4)
 ///
 /// with the offset o [m] in the carried frame. Beyond its ends the guide goes on as a parabola:
-/// P_-1 = 3 P_0 - 3 P_1 + P_2, of two points as a line. [a -> b] is the least rotation that takes a
-/// to b; T_0 = F_0 e0 is the direction in which the guide is clamped, T_k = m_k / |m_k|. So F_k e0
-/// = T_k: o_0 lies along the guide, o_1 and o_2 across it, and F turns about the guide no more than
-/// it must (parallel transport). Two cases have no least rotation: where |m_k| < 1e-12 m, F_k =
-/// F_k-1 and T_k = T_k-1; where 1 + T_k-1 . T_k < 1e-6, F turns by pi about F_k-1 e1.
+/// P_-1 = 3 P_0 - 3 P_1 + P_2, of two points as a line. T_0 = F_0 e0 is the direction in which the
+/// guide is clamped, T_k = m_k / |m_k|, and [T_k-1 -> T_k] is the double reflection of [WJZL08] (W.
+/// Wang, B. Juettler, D. Zheng, Y. Liu, "Computation of Rotation Minimizing Frames", ACM
+/// Transactions on Graphics 27, 2008): the quaternion (a x b, a . b) of the unit vectors along
+///
+///     a: P_k - P_k-1,    b: T_k - T_k-1 + 2 (a . T_k-1) a                          (A5)
+///
+/// negated where a . b < 0. It takes T_k-1 to T_k: F_k e0 = T_k, so that o_0 lies along the guide,
+/// o_1 and o_2 across it, and F turns about the guide no more than it must (parallel transport, but
+/// for the errors of m_k, of second order in the spacing). Where P_k - P_k-1 or m_k is shorter than
+/// 1e-12 m, or the vector of (A5) for b than 1e-6, F_k = F_k-1 and T_k = T_k-1.
 ///
 /// What follows: a rigid motion of points and root frame moves hairs rigidly, to rounding; an
 /// offset of 0 lies on p; |h - p| = |o| however the guide bends. Points and root frame may be in
-/// any one frame of reference; other numbers of samples give other curves p, which differ from each
-/// other as their splines do from the guide.
+/// any one frame of reference. Other numbers of samples give other hairs: 1 cm from a guide of
+/// 30 cm that winds twice, those of 16 points are 0.7 mm from those of many, of 32 points 0.2 mm.
 ///
 /// All functions: pure; no allocation; float32, so that h is off by a few roundings of |P|.
 

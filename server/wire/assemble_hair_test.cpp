@@ -103,10 +103,10 @@ TEST(AssembleHairTest, NumbersAreThoseOfThePythonClient) {
                                                       {50001, {5, 20000, -7}},
                                                       {65535, {100, -100, 10000}}});
   const Vector3f expected[] = {{0, 0, 0},
-                               {0.00652878f, -0.00131271f, 0.00126935f},
-                               {-0.00712824f, -0.01947397f, 0.01786211f},
-                               {0.02208322f, 0.04098368f, 0.01535518f},
-                               {0.044981f, 0.04338137f, 0.05306986f}};
+                               {0.00657556f, -0.00140369f, 0.00118462f},
+                               {-0.0050273f, -0.02163451f, 0.01752796f},
+                               {0.02125573f, 0.03980272f, 0.01673346f},
+                               {0.04583381f, 0.0428588f, 0.05312727f}};
   for (size_t i = 0; i < out.size(); ++i) EXPECT_LT((out[i] - expected[i]).norm(), 5e-8f) << i;
 }
 
@@ -207,7 +207,7 @@ TEST(AssembleHairTest, TheCarriedFrameTurnsNoMoreThanItMust) {
     errors[fine] = std::abs(std::remainder(
         std::abs(angle) - std::abs(std::remainder(expected, end / turns)), end / turns));
   }
-  EXPECT_LT(errors[0], 0.03f);
+  EXPECT_LT(errors[0], 0.01f);
   EXPECT_LT(errors[1], errors[0] / 3);
 }
 
@@ -225,10 +225,9 @@ TEST(AssembleHairTest, NothingIsUndefined) {
       for (const Vector3f& h : Assembled(guide, Places(random, 20))) EXPECT_TRUE(h.allFinite());
     }
   }
-  // A fold turns by pi about n1, which stays.
+  // A guide that turns back at its root has no direction to turn to: the frame stays.
   Guide fold{{{0, 0, 0}, {-0.1f, 0, 0}}};
-  EXPECT_TRUE((fold.Carried().frames[1] * Vector3f::UnitY()).isApprox(Vector3f::UnitY()));
-  EXPECT_TRUE((fold.frames[1] * Vector3f::UnitX()).isApprox(-Vector3f::UnitX(), 1e-6f));
+  EXPECT_TRUE(fold.Carried().frames[1].isApprox(fold.root));
 }
 
 }  // namespace

@@ -149,10 +149,10 @@ class Client:
         request = messages.of_groom(groom_pb2.DeleteGroomRequest, groom)
         await self._call(self._grooms.DeleteGroom, request)
 
-    async def export_groom(self, groom: Groom | str) -> Groom:
+    async def export_groom(self, groom: Groom | str, *, hairs: bool = True) -> Groom:
         """As `mane.Client.export_groom`."""
-        request = messages.of_groom(groom_pb2.ExportGroomRequest, groom)
-        parts = messages.ExportedGroom()
+        request = messages.export_groom(groom, hairs)
+        parts = messages.ExportedGroom(hairs)
         async for part in self._stream(self._grooms.ExportGroom(request)):
             parts.add(part)
         return parts.groom()
@@ -282,7 +282,7 @@ class Client:
 
     async def _strands(self, groom: Groom | str) -> Strands:
         known = groom.guides if isinstance(groom, Groom) else ()
-        return Strands(known or (await self.export_groom(groom)).guides)
+        return Strands(known or (await self.export_groom(groom, hairs=False)).guides)
 
     async def _call(self, method, request, patience: float = 1.0):
         try:

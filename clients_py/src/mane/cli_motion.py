@@ -171,7 +171,7 @@ def _save(output: Path, motion: Motion, positions: np.ndarray) -> None:
 def _draw(client: Client, groom: str, picture: Path, motion: Motion, positions) -> None:
     from mane.picture import draw_sheet  # Only here: it takes a while to load.
 
-    scalp = client.export_groom(groom).scalp
+    scalp = client.export_groom(groom, hairs=False).scalp
     with waiting("drawing"):
         draw_sheet(picture, scalp if isinstance(scalp, Mesh) else None, positions, motion)
     out.print(f"{picture}: the hair at several times")

@@ -197,12 +197,11 @@ class Client:
         """Deletes a groom. Heads that animate it go on."""
         self._call(self._grooms.DeleteGroom, messages.of_groom(groom_pb2.DeleteGroomRequest, groom))
 
-    def export_groom(self, groom: Groom | str) -> Groom:
-        """A groom with its guides, scalp, bodies and hairs."""
-        parts = messages.ExportedGroom()
-        call = self._grooms.ExportGroom(
-            messages.of_groom(groom_pb2.ExportGroomRequest, groom), timeout=10 * self._timeout_s
-        )
+    def export_groom(self, groom: Groom | str, *, hairs: bool = True) -> Groom:
+        """A groom with its guides, scalp and bodies, and with its `hairs` unless that is False."""
+        parts = messages.ExportedGroom(hairs)
+        request = messages.export_groom(groom, hairs)
+        call = self._grooms.ExportGroom(request, timeout=10 * self._timeout_s)
         for part in self._stream(call):
             parts.add(part)
         return parts.groom()
@@ -379,7 +378,7 @@ class Client:
 
     def _strands(self, groom: Groom | str) -> Strands:
         known = groom.guides if isinstance(groom, Groom) else ()
-        return Strands(known or self.export_groom(groom).guides)
+        return Strands(known or self.export_groom(groom, hairs=False).guides)
 
     def _call(self, method, request, patience: float = 1.0):
         try:

@@ -3,9 +3,9 @@
 A control point of a hair is at a part s of its guide's arc length, moved by an offset o in the
 guide's carried frame there: h = p(s) + F(s) o. Between the guide's points, at equal arc length, p
 is a Catmull-Rom spline and F the normalised mean of the quaternions beside it; beyond its ends the
-guide goes on as a parabola. From point to point F turns by the least rotation that takes the
-guide's direction along, from the root frame on. `HairBatch` in `mane/v1/groom.proto` has the
-formulas. So every frame's points give every hair, and `assemble` is the inverse of `ride_on`.
+guide goes on as a parabola. From point to point F follows the guide's direction without turning
+about it, from the root frame on. `HairBatch` in `mane/v1/groom.proto` has the formulas. So every
+frame's points give every hair, and `assemble` is the inverse of `ride_on` for as many points.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ TIP_PART = 65535  # 16 bits of a part of arc length.
 LARGEST_OFFSET = 32767  # Units.
 LEAST_UNIT_M = 1e-9
 
-_LEAST_TANGENT_M = 1e-12
-_LEAST_TURNABLE = 1e-6
+_LEAST_LENGTH_M = 1e-12
+_LEAST_DIRECTION = 1e-6
 _POINTS_AT_A_TIME = 1 << 17  # So that what is between fits into caches.
 
 
@@ -64,7 +64,7 @@ class Hairs:
             _set(self, "colours", np.uint8, (len(self.guides), 3))
         low, high = (float(f(self.offsets, initial=0.0)) for f in (np.min, np.max))
         unit = self.offset_unit_m or max(-low / LARGEST_OFFSET, high / LARGEST_OFFSET, LEAST_UNIT_M)
-        if not (unit > 0 and -32768.5 < low / unit and high / unit < 32767.5):
+        if not (unit > 0 and low / unit > -32768.5 and high / unit < 32767.5):
             raise InvalidArgument.of(
                 "offsets", f"lie in [{low}, {high}] m; they must be 16-bit numbers of {unit} m"
             )
@@ -104,20 +104,19 @@ def carry_frames(points: ArrayLike, root_frames: ArrayLike) -> np.ndarray:
     root = np.asarray(root_frames, np.float64)
     frames[:, 0] = root / np.linalg.norm(root, axis=1, keepdims=True)
     before = _rotate(frames[:, 0], np.array([1.0, 0.0, 0.0]))
-    tangents = _tangents(points)
-    lengths = np.linalg.norm(tangents, axis=2, keepdims=True)
-    still = ~(lengths >= _LEAST_TANGENT_M)
-    tangents /= np.where(still, 1, lengths)
+    chords, chord_lengths = _directions(np.diff(points, axis=1))
+    tangents, tangent_lengths = _directions(_tangents(points))
     for k in range(1, points.shape[1]):
-        now = np.where(still[:, k], before, tangents[:, k])
-        w = 1 + np.sum(before * now, axis=1, keepdims=True)
-        turn = np.concatenate([np.cross(before, now), w], axis=1)
-        half_turn = _rotate(frames[:, k - 1], np.array([0.0, 1.0, 0.0]))
-        fold = w < _LEAST_TURNABLE
-        turn = np.where(fold, np.concatenate([half_turn, np.zeros_like(w)], axis=1), turn)
-        carried = _normalised(_product(_normalised(turn), frames[:, k - 1]))
-        frames[:, k] = np.where(still[:, k], frames[:, k - 1], carried)
-        before = now
+        a, now = chords[:, k - 1], tangents[:, k]
+        v = now - before + 2 * np.sum(a * before, axis=1, keepdims=True) * a
+        b, length = _directions(v)
+        turn = np.concatenate([np.cross(a, b), np.sum(a * b, axis=1, keepdims=True)], axis=1)
+        turn = np.where(turn[:, 3:] < 0, -turn, turn)
+        moves = (chord_lengths[:, k - 1] >= _LEAST_LENGTH_M) & (length >= _LEAST_DIRECTION)
+        moves &= tangent_lengths[:, k] >= _LEAST_LENGTH_M
+        turn = np.where(moves, turn, np.array([0.0, 0.0, 0.0, 1.0]))
+        frames[:, k] = _normalised(_product(turn, frames[:, k - 1]))
+        before = np.where(moves, now, before)
     return frames
 
 
@@ -213,6 +212,12 @@ def _tangents(points: np.ndarray) -> np.ndarray:
     high = beyond(points[:, -1], points[:, -2], points[:, -3] if inner else None)
     longer = np.concatenate([low[:, None], points, high[:, None]], axis=1)
     return (longer[:, 2:] - longer[:, :-2]) / 2
+
+
+def _directions(v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Unit vectors, or zeros, and lengths (..., 1)."""
+    lengths = np.linalg.norm(v, axis=-1, keepdims=True)
+    return v / np.where(lengths > 0, lengths, 1), lengths
 
 
 def _normalised(q: np.ndarray) -> np.ndarray:

@@ -223,10 +223,15 @@ def guide_batches(guides: Iterable[Guide]) -> Iterator[groom_pb2.GuideBatch]:
         yield batch
 
 
-class ExportedGroom:
-    """Collects the pieces of one download."""
+def export_groom(groom, hairs: bool) -> groom_pb2.ExportGroomRequest:
+    return groom_pb2.ExportGroomRequest(name=resource_name("grooms", groom), omit_hairs=not hairs)
 
-    def __init__(self):
+
+class ExportedGroom:
+    """Collects the pieces of one download, made with the same `hairs` as its request."""
+
+    def __init__(self, hairs: bool = True):
+        self._with_hairs = hairs
         self._groom: groom_pb2.Groom | None = None
         self._guides: list[Guide] = []
         self._bodies: list[groom_pb2.Body] = []
@@ -253,10 +258,7 @@ class ExportedGroom:
     def groom(self) -> Groom:
         """The whole groom. Internal where the download is not complete."""
         told = self._groom
-        counts = (len(self._guides), len(self._bodies), *self._hairs.counts())
-        if told is None or counts != (
-            told.guide_count, told.body_count, told.hair_count, told.hair_point_count
-        ):  # fmt: skip
+        if told is None or not self._complete(told):
             raise Internal("the server's export of the groom is not complete")
         return replace(
             from_groom(told),
@@ -265,6 +267,11 @@ class ExportedGroom:
             bodies=tuple(map(body_messages.from_body, self._bodies)),
             hairs=self._hairs.hairs(told.hair_offset_unit_m),
         )
+
+    def _complete(self, told: groom_pb2.Groom) -> bool:
+        hairs = (told.hair_count, told.hair_point_count) if self._with_hairs else (0, 0)
+        counts = (len(self._guides), len(self._bodies), self._hairs.counts())
+        return counts == (told.guide_count, told.body_count, hairs)
 
     def _scalp(self) -> Mesh | Ellipsoid | None:
         if self._ellipsoid is not None:
