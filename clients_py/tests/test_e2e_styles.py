@@ -134,7 +134,7 @@ def test_a_dressed_style_on_the_mannequin(client):
         small()
         .with_map("length", value=0.25)
         .with_map("density", image=np.linspace(0.5, 1, 64).reshape(8, 8))
-        .wave(front, kind="curly", amplitude_m=0.005, period_m=0.03)
+        .wave(front, kind="curly", amplitude_m=0.005, period_m=0.08)
         .cut(front, length_m=0.06)
         .tie(mane.Region(azimuth=(1.5, -1.5)), point=behind, radius_m=0.02)
     )
@@ -151,10 +151,9 @@ def test_a_dressed_style_on_the_mannequin(client):
     assert len(outcomes) == 1 and 0 < outcomes[0].met <= outcomes[0].selected < WISPS
     last = masters.first_joint[1:] - 1
     roots = masters.points[masters.first_joint[:-1]]
-    azimuth = np.arctan2(roots[:, 0], roots[:, 2])
-    in_front = np.abs(azimuth) < 0.5
+    in_front = (np.abs(roots[:, 0]) < 0.03) & (roots[:, 2] > 0.06)
     assert in_front.any() and masters.lengths[in_front].max() <= 0.0601
-    assert masters.lengths[np.abs(azimuth) > 2].min() > 0.2
+    assert masters.lengths[roots[:, 2] < -0.05].min() > 0.2
     near = np.array(
         [
             np.linalg.norm(masters.points[a : b + 1] - behind, axis=1).min()
@@ -290,7 +289,7 @@ def test_the_command_makes_pictures_and_files(client, maned, tmp_path):
     assert (tmp_path / "again.png").read_bytes()
     run("style", "picture", str(npz), "-o", str(tmp_path / "small.png"), "--size", "96")
     said = run("style", "map", name, "length", "-o", str(tmp_path / "job.png"), server=server)
-    assert f"white is {LENGTH_M:g}" in said and "style.with_map('length', value=0.12" in said
+    assert "white is 0.119" in said and "style.with_map('length', value=0.119" in said
     run("style", "map", str(document), "length", "-o", str(tmp_path / "here.png"))
     one, other = (
         grey_png.decode((tmp_path / name).read_bytes()) for name in ("job.png", "here.png")

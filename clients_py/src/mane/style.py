@@ -209,7 +209,8 @@ class Style:
 
         Args:
           kind: a `StrandKind` or its value.
-          amplitude_m, period_m: radius of its curls and length of a turn [m]; 0 for its own.
+          amplitude_m, period_m: radius of its curls and length of a turn [m]; 0 for its own. A turn
+            needs four segments at least: `segment_length_m` of the style says how long one is.
           points: in place of a shipped strand, one's own: (k, 3), root first [m], k from 4.
           window: control points that are compared, at most 200; 0 for the longest structure.
           temperature: 0 follows the prototype, more strays from it, up to 10.

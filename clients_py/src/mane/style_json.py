@@ -36,7 +36,7 @@ def _told(text: str) -> tuple[str, str]:
     if unknown := _NO_FIELD.search(text):
         message, name = unknown.groups()
         known = descriptor_pool.Default().FindMessageTypeByName(message).fields_by_name
-        near = difflib.get_close_matches(name, known, n=1)
+        near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
         hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(known)}"
         return ".".join(part for part in (path, name) if part), f"there is no such field; {hint}"
     cause = text[: place.start()] if place else text
