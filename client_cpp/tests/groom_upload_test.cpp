@@ -234,5 +234,33 @@ TEST(GroomUpload, StopsWhenTheStreamBreaks) {
   EXPECT_EQ(written, 1);
 }
 
+TEST(GroomUpload, SendsWholeHairsInOrder) {
+  GroomUpload upload;
+  upload.hairs.offset_unit_m = 2e-6;
+  for (std::uint32_t i = 0; i < 2000; ++i) {
+    const std::uint16_t count = 2 + i % 999;
+    upload.hairs.guides.push_back(i / 7);
+    upload.hairs.point_counts.push_back(count);
+    for (std::uint16_t k = 0; k < count; ++k) upload.hairs.places.push_back({k, {1, -2, 3}});
+  }
+  const auto parts = Parts(upload);
+  EXPECT_EQ(parts.front().header().hair_offset_unit_m(), 2e-6);
+  EXPECT_GT(parts.size(), 20u);
+  std::string guides, places;
+  for (const v1::CreateGroomRequest& part : parts) {
+    const v1::HairBatch& batch = part.hairs();
+    size_t points = 0;
+    for (size_t i = 0; i < batch.guides().size() / 4; ++i) {
+      points += upload.hairs.point_counts[guides.size() / 4 + i];
+    }
+    EXPECT_EQ(batch.places().size(), 8 * points);
+    guides += batch.guides();
+    places += batch.places();
+  }
+  EXPECT_EQ(guides.size(), 4u * 2000);
+  ASSERT_EQ(places.size(), 8 * upload.hairs.places.size());
+  EXPECT_EQ(std::memcmp(places.data(), upload.hairs.places.data(), places.size()), 0);
+}
+
 }  // namespace
 }  // namespace mane

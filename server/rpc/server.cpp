@@ -15,6 +15,7 @@
 #include "rpc/credentials.h"
 #include "rpc/groom_service.h"
 #include "rpc/job_service.h"
+#include "rpc/styling_service.h"
 #include "rpc/uploads.h"
 #include "session/registry.h"
 #include "storage/data_folder.h"
@@ -58,7 +59,8 @@ class RunningServer final : public Server {
         groom_service_(grooms_, requests_, solving_, uploads_),
         animation_service_(grooms_, registry_, requests_, options.resume_grace_s),
         job_service_(queue_, requests_),
-        bake_service_(grooms_, queue_, *job_store_, solving_, requests_) {}
+        bake_service_(grooms_, queue_, *job_store_, solving_, requests_),
+        styling_service_(grooms_, queue_, *job_store_, solving_, requests_, uploads_) {}
 
   ~RunningServer() override { Drain(0); }
 
@@ -73,6 +75,7 @@ class RunningServer final : public Server {
     builder.RegisterService(&animation_service_);
     builder.RegisterService(&job_service_);
     builder.RegisterService(&bake_service_);
+    builder.RegisterService(&styling_service_);
     server_ = builder.BuildAndStart();
     if (server_ == nullptr || port_ == 0) {
       return Error{ErrorCode::kUnavailable,
@@ -152,6 +155,7 @@ class RunningServer final : public Server {
   AnimationService animation_service_;
   JobService job_service_;
   BakeService bake_service_;
+  StylingService styling_service_;
   std::unique_ptr<grpc::Server> server_;
   int port_ = 0;
 };
