@@ -53,6 +53,9 @@ struct Dresser {
       before.constraints = same->constraints;
       style->queues.erase(same);
     }
+    // Farther on than the strands' own ends, which lie beside the axis.
+    const Eigen::Vector3d last = braid.path.back() - braid.path[braid.path.size() - 2];
+    const Eigen::Vector3d end = braid.path.back() + braid.radius * last.normalized();
     for (int strand = 0; strand < braid.strand_count; ++strand) {
       ConstraintQueue queue = before;
       queue.share = strand;
@@ -63,6 +66,8 @@ struct Dresser {
       const double tolerance = braid.radius / 2;
       queue.constraints.push_back({Constraint::Kind::kPoint, {path.front()}, tolerance, 1});
       queue.constraints.push_back({Constraint::Kind::kTrajectory, path, tolerance, 1});
+      // What hangs out of it is tied together.
+      queue.constraints.push_back({Constraint::Kind::kPoint, {end}, tolerance, 1});
       style->queues.push_back(std::move(queue));
     }
   }

@@ -31,10 +31,11 @@ struct Operation {
     double radius = 0.015;  ///< Of the ribbon [m].
   };
   struct Braid {
-    std::vector<Eigen::Vector3d> path;  ///< Its axis [m], 2 or more; hair is gathered at the first.
-    int strand_count = 3;               ///< 2 to 9.
-    double radius = 0.02;               ///< Half its width [m].
-    double period = 0.1;  ///< Along the axis, until each strand is back in its place [m].
+    std::vector<Eigen::Vector3d> path;  ///< Its axis [m], 2 or more; hair is gathered at the first
+                                        ///< and tied at the last.
+    int strand_count = 3;  ///< 2 to 9.
+    double radius = 0.02;  ///< Half its width [m].
+    double period = 0.1;   ///< Along the axis, until each strand is back in its place [m].
   };
 
   Region region;

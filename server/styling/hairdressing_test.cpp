@@ -51,10 +51,11 @@ TEST(HairdressingTest, ABraidDealsItsHairOutAndKeepsWhatLedItThere) {
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(style.queues[i].share, i);
     EXPECT_EQ(style.queues[i].share_count, 3);
-    ASSERT_EQ(style.queues[i].constraints.size(), 3U);
+    ASSERT_EQ(style.queues[i].constraints.size(), 4U);
     EXPECT_EQ(style.queues[i].constraints[0].path[0], Vector3d(0, 0, -0.12));
     EXPECT_EQ(style.queues[i].constraints[2].kind, Constraint::Kind::kTrajectory);
     EXPECT_EQ(style.queues[i].constraints[1].path[0], style.queues[i].constraints[2].path[0]);
+    EXPECT_EQ(style.queues[i].constraints[3].path[0], style.queues[0].constraints[3].path[0]);
   }
 }
 
