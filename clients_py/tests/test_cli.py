@@ -19,7 +19,8 @@ from mane.motion import write_csv
 
 COMMANDS = [
     "status", "animate", "bake", "groom create", "groom import", "groom report", "groom list",
-    "groom show", "groom delete", "job list", "job show", "job cancel", "experiment curly-clump",
+    "groom show", "groom delete", "style presets", "style show", "style apply", "style map",
+    "style picture", "job list", "job show", "job cancel", "experiment curly-clump",
     "experiment pendulum", "experiment buckling", "experiment head-shake",
     "experiment cantilever", "experiment bend-twist",
 ]  # fmt: skip
@@ -57,7 +58,7 @@ def test_help_shows_an_example_of_every_command(name):
 
 def test_bare_command_shows_a_first_tour():
     text = run("--help")
-    for name in ("mane status", "mane groom create", "mane animate"):
+    for name in ("mane status", "mane groom create", "mane style apply", "mane animate"):
         assert name in text
 
 
@@ -72,6 +73,11 @@ def test_bare_command_shows_a_first_tour():
         ["groom", "create", "x", "--body", "hat=no-such-file.obj"],
         ["groom", "create", "x", "--body-material", "stone"],
         ["groom", "create", "x", "--wisp-radius", "0.2"],
+        ["style", "apply", "bob"],
+        ["style", "apply", "bob", "-o", "x", "--unit", "yard"],
+        ["style", "apply", "bob", "-o", "x", "--scalp", "no-such-file.obj"],
+        ["style", "apply", "bob", "-o", "x", "--picture", "/no/such/folder/x.png"],
+        ["style", "map", "bob", "colour", "-o", "x.png"],
         ["groom", "import", "no-such-file.npz", "x"],
         ["groom", "import", __file__, "x", "--unit", "yard"],
         ["groom", "import", __file__, "x", "--axes", "inside out"],

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <memory>
 #include <utility>
 
@@ -9,6 +10,7 @@
 #include "rpc/limits.h"
 #include "rpc/names.h"
 #include "styling/png_image.h"
+#include "styling/prototype.h"
 #include "styling/validate_style.h"
 
 namespace mane::rpc {
@@ -18,7 +20,7 @@ constexpr int kMaxStops = 1000;
 constexpr int kMaxHalfSpaces = 16;
 constexpr int kMaxWispNumbers = 20'000;
 constexpr int kMaxDensities = 1000;
-constexpr size_t kMaxPrototypePoints = 10'000;
+constexpr size_t kMaxPrototypePoints = 4096;
 constexpr int kMaxRadii = 1000;
 constexpr int kMaxParts = 64;  // Of the field, and of regional prototypes.
 constexpr int kMaxQueues = 256;
@@ -346,6 +348,25 @@ Result<styling::Operation> ToOperation(const v1::HairdressingOperation& message,
   return operation;
 }
 
+// Segments that shipped prototypes need [m]; infinite where none is short.
+double ShortestNeeded(const v1::Style& message, const styling::Style& style) {
+  double shortest = std::numeric_limits<double>::infinity();
+  const auto add = [&shortest](const styling::Prototype& prototype) {
+    if (!prototype.points.empty() || prototype.kind == styling::StrandKind::kStraight) return;
+    const double period =
+        prototype.period_m > 0 ? prototype.period_m : styling::SizeOf(prototype.kind).period;
+    shortest = std::min(shortest, std::max(period / 5, 1e-3));
+  };
+  add(style.synthesis.prototype);
+  for (const auto& regional : style.regional) add(regional.synthesis.prototype);
+  for (const v1::HairdressingOperation& operation : message.operations()) {
+    if (!operation.has_wave()) continue;
+    const auto wave = ToSynthesis(operation.wave().synthesis(), "");
+    if (wave) add(wave->prototype);
+  }
+  return shortest;
+}
+
 // Everything but lists of messages.
 Result<void> ToNumbers(const v1::Style& message, const std::string& field, styling::Style* style) {
   style->seed = message.seed();
@@ -413,6 +434,9 @@ Result<styling::Style> ToStyle(const v1::Style& message, const std::string& fiel
   if (!colour) return colour.error();
   style.colour = *std::move(colour);
 
+  if (message.segment_length_m() == 0) {
+    style.segment_length = std::min(style.segment_length, ShortestNeeded(message, style));
+  }
   // Before operations: what they add has been checked as they were.
   if (const auto ok = styling::ValidateStyle(style, field); !ok) return ok.error();
   auto operations =

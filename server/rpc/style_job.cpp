@@ -21,6 +21,8 @@ namespace {
 constexpr double kStyled = 0.3;
 constexpr double kWritten = 0.4;
 constexpr double kImported = 0.95;
+// Of the request id of a job's groom: it is made once, even if the job is run again.
+constexpr std::string_view kRequestPrefix = "style-";
 // Strands that are imported between two looks at progress.
 constexpr size_t kStrandsPerStep = 64;
 
@@ -131,6 +133,10 @@ Result<void> AdmitStyle(const styling::Style& style, const groom::ImportOptions&
                "header.style.wisp_count"};
 }
 
+std::string StyledBy(const std::string& request_id) {
+  return request_id.starts_with(kRequestPrefix) ? request_id.substr(kRequestPrefix.size()) : "";
+}
+
 Result<void> StyleJobs::Run(const std::string& job, jobs::JobContext& context) {
   StoredStyle spec;
   if (!spec.ParseFromString(context.spec())) {
@@ -168,7 +174,8 @@ Result<void> StyleJobs::Run(const std::string& job, jobs::JobContext& context) {
   const double begin = base::SteadySeconds();
   auto import = ImportMasters(h.masters, *options, pool_, context);
   if (!import) return import.error();
-  GroomLibrary::Draft draft{spec.header().groom_id(), "style-" + job, *std::move(parts), {}, {}};
+  GroomLibrary::Draft draft{
+      spec.header().groom_id(), std::string(kRequestPrefix) + job, *std::move(parts), {}, {}};
   draft.contact = *std::move(contact);
   draft.parts.hairs = std::make_shared<const groom::Hairs>(
       styling::ToHairs(h.roots, h.masters, h.members, h.colours, import->guides, import->rest));

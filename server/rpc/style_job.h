@@ -24,6 +24,9 @@ inline constexpr const char* kStyleKind = "style";
                                       const groom::ImportOptions& guides,
                                       const groom::Limits& limits);
 
+/// The id of the job that made the groom stored under `request_id`; empty where none did.
+[[nodiscard]] std::string StyledBy(const std::string& request_id);
+
 /// Runs style jobs: applies the style, writes what it made as the job's result (serialised
 /// v1::HairstylePart, one a chunk), and makes the groom.
 ///

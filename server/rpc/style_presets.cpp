@@ -92,7 +92,7 @@ constexpr Preset kPresets[] = {
       {"x": -0.0082, "y": 0.0437, "z": -0.116}],
      "radius_m": 0.01}]}]}
 )json"},
-    {"three_strand_braid", "Long hair gathered at the nape and braided down the back.",
+    {"three-strand-braid", "Long hair gathered at the nape and braided down the back.",
      R"json(
 {"seed": 7,
  "length": {"value": 0.66},
@@ -131,7 +131,7 @@ constexpr Preset kPresets[] = {
   "wisp_share": 0.4},
  "wisp_count": 1000}
 )json"},
-    {"pulled_back", "Hair combed back over the head and down to the neck.",
+    {"pulled-back", "Hair combed back over the head and down to the neck.",
      R"json(
 {"seed": 7,
  "length": {"value": 0.3},
@@ -151,7 +151,7 @@ constexpr Preset kPresets[] = {
   "value": {"normal": {"mean": 0.3, "deviation": 0.05, "low": 0.12, "high": 0.5}},
   "wisp_share": 0.5}}
 )json"},
-    {"parted_long", "Long wavy hair parted in the middle.",
+    {"parted-long", "Long wavy hair parted in the middle.",
      R"json(
 {"seed": 7,
  "length": {"value": 0.48},

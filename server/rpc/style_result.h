@@ -12,8 +12,8 @@ namespace mane::rpc {
                                          const styling::Hairstyle& hairstyle,
                                          const styling::StageTimes& times);
 
-/// Adds masters, members, density, field and maps to the result of a job: serialised v1::HairstylePart of
-/// some hundred kilobytes, one a chunk. Errors as JobContext::AppendResult.
+/// Adds masters, members, density, field and maps to the result of a job: serialised
+/// v1::HairstylePart of some hundred kilobytes, one a chunk. Errors as JobContext::AppendResult.
 [[nodiscard]] Result<void> WriteHairstyle(const styling::Style& style,
                                           const styling::Hairstyle& hairstyle,
                                           jobs::JobContext& context);

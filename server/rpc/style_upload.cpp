@@ -98,9 +98,7 @@ Result<v1::Job> StyleUpload::Finish(const std::atomic<bool>& /*cancelled*/) {
   const auto valid = groom::ValidateBodies(bodies, friction, scalp, library_.limits());
   if (!valid) return valid.error();
   for (const groom::Body& body : bodies) FromWholeBody(body, spec.add_bodies());
-  // A repeated request may find the groom that its first job made.
-  const bool is_new = !header_.groom_id().empty() && library_.store().Get(header_.groom_id());
-  if (is_new && header_.request_id().empty()) return GroomLibrary::Taken(header_.groom_id());
+  if (IsTaken()) return GroomLibrary::Taken(header_.groom_id());
 
   *spec.mutable_header() = std::move(header_);
   const v1::Style& style = spec.header().style();
@@ -115,6 +113,16 @@ Result<v1::Job> StyleUpload::Finish(const std::atomic<bool>& /*cancelled*/) {
   v1::Job job;
   FromStatus(*status, &job);
   return job;
+}
+
+bool StyleUpload::IsTaken() {
+  if (header_.groom_id().empty()) return false;
+  const auto groom = library_.store().Get(header_.groom_id());
+  if (!groom) return false;
+  // A repeated request finds the groom that its first job made.
+  const std::string job = StyledBy(groom->request_id);
+  const auto made = job.empty() ? Result<jobs::JobStatus>(Error()) : queue_.Get(job);
+  return !made || header_.request_id().empty() || made->job.request_id != header_.request_id();
 }
 
 }  // namespace mane::rpc

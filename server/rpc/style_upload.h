@@ -27,6 +27,8 @@ class StyleUpload {
  private:
   Result<void> AddHeader(const v1::ApplyStyleHeader& header);
   Result<void> AddMesh(const v1::TriangleMesh& piece);
+  // Whether the groom is there, and not because this request was made before.
+  bool IsTaken();
 
   GroomLibrary& library_;
   jobs::Queue& queue_;

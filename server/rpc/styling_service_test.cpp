@@ -140,6 +140,22 @@ TEST_F(StylingServiceTest, TheSameRequestIsOneJob) {
   EXPECT_EQ(Watch(first.name()).state(), v1::Job::STATE_SUCCEEDED);
   ASSERT_TRUE(Apply(header, &second).ok());
   EXPECT_EQ(first.name(), second.name());
+  header.set_request_id("twice");
+  const grpc::Status taken = Apply(header, &second);
+  EXPECT_EQ(taken.error_code(), grpc::StatusCode::ALREADY_EXISTS);
+  EXPECT_EQ(NamedField(taken), "header.groom_id");
+}
+
+// Segments are as short as a pattern needs where the style does not say.
+TEST_F(StylingServiceTest, EveryShippedPatternGrowsByDefault) {
+  for (int kind = v1::STRAND_KIND_STRAIGHT; kind <= v1::STRAND_KIND_KINKY; ++kind) {
+    v1::Style message;
+    message.mutable_synthesis()->mutable_prototype()->set_kind(static_cast<v1::StrandKind>(kind));
+    const auto style = ToStyle(message, "style");
+    ASSERT_TRUE(style) << style.error().message;
+    EXPECT_GE(style->segment_length, 1e-3);
+    EXPECT_LE(style->segment_length, 0.01);
+  }
 }
 
 TEST_F(StylingServiceTest, AJobStopsWithinASecond) {
@@ -194,7 +210,7 @@ TEST_F(StylingServiceTest, WhatIsWrongIsNamed) {
   EXPECT_EQ(field([](Header h) {
               h->mutable_style()->mutable_member_length()->mutable_uniform()->set_high(9);
             }),
-            "header.style.member_length.high");
+            "header.style.member_length.uniform.high");
   EXPECT_EQ(field([](Header h) { h->mutable_style()->add_operations(); }),
             "header.style.operations[0]");
   EXPECT_EQ(field([](Header h) {

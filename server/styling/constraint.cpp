@@ -63,7 +63,7 @@ Result<void> Validate(const Constraint& constraint, const Obstacles& obstacles,
   }
   if (auto path = CheckPath(constraint, field + ".path"); !path) return path;
   if (!kRadius.Contains(constraint.radius)) {
-    return groom::OutOfRange(field + ".radius", constraint.radius, kRadius);
+    return groom::OutOfRange(field + ".radius_m", constraint.radius, kRadius);
   }
   if (!kWeight.Contains(constraint.weight)) {
     return groom::OutOfRange(field + ".weight", constraint.weight, kWeight);

@@ -90,7 +90,7 @@ TEST(ConstraintTest, ErrorsNameTheField) {
   EXPECT_EQ(field_of({Kind::kTrajectory, {a}, 0.01, 1}), prefix + "path");
   EXPECT_EQ(field_of({Kind::kTrajectory, {a, b, b}, 0.01, 1}), prefix + "path[2]");
   EXPECT_EQ(field_of({Kind::kPoint, {Vector3d(0, NAN, 0)}, 0.01, 1}), prefix + "path[0].y");
-  EXPECT_EQ(field_of({Kind::kPoint, {a}, 0, 1}), prefix + "radius");
+  EXPECT_EQ(field_of({Kind::kPoint, {a}, 0, 1}), prefix + "radius_m");
   EXPECT_EQ(field_of({Kind::kPoint, {a}, 0.01, 1.5}), prefix + "weight");
   EXPECT_EQ(field_of({Kind::kPoint, {a}, 0.01, NAN}), prefix + "weight");
   EXPECT_EQ(Validate(std::vector<ConstraintQueue>(1), ball, "queues").error().field,

@@ -66,6 +66,21 @@ Result<void> ValidateDensities(const std::vector<double>& densities, const std::
   return InvalidArgument(field, fmt::format("{} are all 0; one must be positive", field));
 }
 
+// As mane.v1.Distribution spells it.
+const char* NameOf(Form form) {
+  switch (form) {
+    case Form::kConstant:
+      return "constant";
+    case Form::kUniform:
+      return "uniform";
+    case Form::kNormal:
+      return "normal";
+    case Form::kSampled:
+      return "sampled";
+  }
+  return "form";
+}
+
 }  // namespace
 
 double NormalCdf(double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); }
@@ -85,23 +100,29 @@ Result<void> Validate(const Distribution& distribution, const std::string& field
   const groom::Range bounds{low, high};
   if (distribution.form == Form::kConstant) {
     if (bounds.Contains(distribution.mean)) return {};
-    return groom::OutOfRange(field + ".mean", distribution.mean, bounds);
+    return groom::OutOfRange(field + ".constant.value", distribution.mean, bounds);
   }
-  if (!bounds.Contains(distribution.low))
-    return groom::OutOfRange(field + ".low", distribution.low, bounds);
+  const std::string path = fmt::format("{}.{}", field, NameOf(distribution.form));
+  if (!bounds.Contains(distribution.low)) {
+    return groom::OutOfRange(path + ".low", distribution.low, bounds);
+  }
   const groom::Range above{distribution.low, high};
-  if (!above.Contains(distribution.high))
-    return groom::OutOfRange(field + ".high", distribution.high, above);
+  if (!above.Contains(distribution.high)) {
+    return groom::OutOfRange(path + ".high", distribution.high, above);
+  }
   if (distribution.form == Form::kNormal) {
     const groom::Range between{distribution.low, distribution.high};
-    if (!between.Contains(distribution.mean))
-      return groom::OutOfRange(field + ".mean", distribution.mean, between);
+    if (!between.Contains(distribution.mean)) {
+      return groom::OutOfRange(path + ".mean", distribution.mean, between);
+    }
     const groom::Range deviations{0, 1e6};
-    if (!deviations.Contains(distribution.deviation))
-      return groom::OutOfRange(field + ".deviation", distribution.deviation, deviations);
+    if (!deviations.Contains(distribution.deviation)) {
+      return groom::OutOfRange(path + ".deviation", distribution.deviation, deviations);
+    }
   }
-  if (distribution.form == Form::kSampled)
-    return ValidateDensities(distribution.densities, field + ".densities");
+  if (distribution.form == Form::kSampled) {
+    return ValidateDensities(distribution.densities, path + ".densities");
+  }
   return {};
 }
 

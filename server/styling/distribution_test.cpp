@@ -88,17 +88,17 @@ TEST(DistributionTest, FaultsAreNamed) {
     const auto valid = Validate(d, "l", 0, 2);
     return valid ? "" : valid.error().field;
   };
-  EXPECT_EQ(field({Form::kConstant, 2.1, 0, 0, 2, {}}), "l.mean");
-  EXPECT_EQ(field({Form::kConstant, kNan, 0, 0, 2, {}}), "l.mean");
+  EXPECT_EQ(field({Form::kConstant, 2.1, 0, 0, 2, {}}), "l.constant.value");
+  EXPECT_EQ(field({Form::kConstant, kNan, 0, 0, 2, {}}), "l.constant.value");
   EXPECT_EQ(field({Form::kConstant, 1, kNan, 5, 2, {}}), "");  // Not of its form.
-  EXPECT_EQ(field({Form::kUniform, 0, 0, -0.1, 2, {}}), "l.low");
-  EXPECT_EQ(field({Form::kUniform, 0, 0, 1, 0.9, {}}), "l.high");
-  EXPECT_EQ(field({Form::kUniform, 0, 0, 1, kNan, {}}), "l.high");
-  EXPECT_EQ(field({Form::kNormal, 0.5, 1, 1, 2, {}}), "l.mean");
-  EXPECT_EQ(field({Form::kNormal, 1.5, -1, 1, 2, {}}), "l.deviation");
-  EXPECT_EQ(field({Form::kSampled, 0, 0, 1, 2, {1}}), "l.densities");
-  EXPECT_EQ(field({Form::kSampled, 0, 0, 1, 2, {0, 0}}), "l.densities");
-  EXPECT_EQ(field({Form::kSampled, 0, 0, 1, 2, {0, 1, -1}}), "l.densities[2]");
+  EXPECT_EQ(field({Form::kUniform, 0, 0, -0.1, 2, {}}), "l.uniform.low");
+  EXPECT_EQ(field({Form::kUniform, 0, 0, 1, 0.9, {}}), "l.uniform.high");
+  EXPECT_EQ(field({Form::kUniform, 0, 0, 1, kNan, {}}), "l.uniform.high");
+  EXPECT_EQ(field({Form::kNormal, 0.5, 1, 1, 2, {}}), "l.normal.mean");
+  EXPECT_EQ(field({Form::kNormal, 1.5, -1, 1, 2, {}}), "l.normal.deviation");
+  EXPECT_EQ(field({Form::kSampled, 0, 0, 1, 2, {1}}), "l.sampled.densities");
+  EXPECT_EQ(field({Form::kSampled, 0, 0, 1, 2, {0, 0}}), "l.sampled.densities");
+  EXPECT_EQ(field({Form::kSampled, 0, 0, 1, 2, {0, 1, -1}}), "l.sampled.densities[2]");
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ Result<void> CheckNumber(const std::string& field, double value, const groom::Ra
 
 Result<void> Validate(const FieldTerm::Grid& grid, const std::string& field) {
   if (auto low = groom::CheckVector(field + ".low", grid.low, kCenter); !low) return low;
-  if (auto cell = CheckNumber(field + ".cell", grid.cell, kCell); !cell) return cell;
+  if (auto cell = CheckNumber(field + ".cell_m", grid.cell, kCell); !cell) return cell;
   const auto nodes = groom::CheckVector(field + ".nodes", grid.nodes.cast<double>(), kNodes);
   if (!nodes) return nodes;
   const auto expected = grid.nodes.cast<size_t>().prod();
@@ -64,7 +64,7 @@ Result<void> Validate(const FieldTerm& term, const std::string& field) {
   if (auto center = groom::CheckVector(field + ".center", term.center, kCenter); !center) {
     return center;
   }
-  if (auto radius = CheckNumber(field + ".radius", term.radius, kRadius); !radius) return radius;
+  if (auto radius = CheckNumber(field + ".radius_m", term.radius, kRadius); !radius) return radius;
   if (HasDirection(term.kind)) {
     const std::string name = field + ".direction";
     if (auto finite = groom::CheckVector(name, term.direction, kDirection); !finite) return finite;

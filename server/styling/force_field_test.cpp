@@ -149,7 +149,7 @@ TEST(ForceFieldTest, ErrorsNameTheNumber) {
   EXPECT_EQ(field_of(term), "field[2].strength");
   term = {};
   term.radius = -1;
-  EXPECT_EQ(field_of(term), "field[2].radius");
+  EXPECT_EQ(field_of(term), "field[2].radius_m");
   EXPECT_EQ(Validate(std::vector<FieldTerm>(65), "field").error().field, "field");
 }
 

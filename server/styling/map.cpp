@@ -104,7 +104,7 @@ Result<void> Validate(const ScalpMap& map, const std::string& field, double low,
   if (auto ok = CheckStops(map.by_azimuth, field + ".by_azimuth", {-pi, pi, "rad"}); !ok) return ok;
   double greatest = map.value * Greatest(map.by_polar) * Greatest(map.by_azimuth);
   if (map.image) {
-    if (auto ok = Validate(*map.image, field + ".image"); !ok) return ok;
+    if (auto ok = Validate(*map.image, field + ".png"); !ok) return ok;
     greatest *= std::ranges::max(map.image->values);
   }
   if (greatest <= high) return {};

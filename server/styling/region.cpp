@@ -66,7 +66,7 @@ Result<void> CheckHalfSpaces(const Region& region, const std::string& field) {
       return OutOfRange(path + ".normal", all[i].normal.norm(), lengths);
     }
     if (!groom::kCoordinateRange.Contains(all[i].offset)) {
-      return OutOfRange(path + ".offset", all[i].offset, groom::kCoordinateRange);
+      return OutOfRange(path + ".offset_m", all[i].offset, groom::kCoordinateRange);
     }
     for (size_t j = 0; j < i; ++j) {
       const double cosine = all[i].normal.normalized().dot(all[j].normal.normalized());
@@ -123,7 +123,7 @@ Result<void> Validate(const Region& region, const std::string& field, int wisp_c
   if (auto ok = CheckIntervals(region, field); !ok) return ok;
   if (auto ok = CheckHalfSpaces(region, field + ".half_spaces"); !ok) return ok;
   if (region.mask) {
-    if (auto ok = CheckMask(*region.mask, field + ".mask"); !ok) return ok;
+    if (auto ok = CheckMask(*region.mask, field + ".mask_png"); !ok) return ok;
   }
   return CheckWisps(region, field + ".wisps", wisp_count);
 }

@@ -122,14 +122,14 @@ TEST_F(RegionTest, WhatIsWrongOrLeavesNothingIsNamed) {
   region.half_spaces = {{{0, 0, 0}, 0}};
   ExpectError(region, "selection.half_spaces[0].normal");
   region.half_spaces = {{{0, 1, 0}, nan}};
-  ExpectError(region, "selection.half_spaces[0].offset");
+  ExpectError(region, "selection.half_spaces[0].offset_m");
   region.half_spaces = {{{0, 1, 0}, 0.1}, {{0, -3, 0}, -0.05}};
   ExpectError(region, "selection.half_spaces[1]");
   region.half_spaces[1].offset = -0.15;
   EXPECT_TRUE(Validate(region, "selection", 10));
   region = {};
   region.mask = std::make_shared<MapImage>(MapImage{2, 1, {0.5f, 0.2f}});
-  ExpectError(region, "selection.mask");
+  ExpectError(region, "selection.mask_png");
   region.mask = std::make_shared<MapImage>(MapImage{2, 1, {0.5f}});
   ExpectError(region, "selection.mask.values");
   region = {};

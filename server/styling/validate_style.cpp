@@ -26,6 +26,7 @@ constexpr Range kCrossSectionRange{0, 1e-4, "m^2"};
 constexpr Range kCellRange{1e-3, 0.1, "m"};
 constexpr Range kShareRange{0, 1};
 constexpr Range kCutRange{0, kLongest, "m", true};
+constexpr Range kNormalRange{1e-6, 1e6};
 constexpr Range kOffsetRange{-100, 100, "m"};
 constexpr Range kConstraintRadiusRange{0, 10, "m", true};
 constexpr Range kBraidRadiusRange{1e-3, 1, "m"};
@@ -154,9 +155,10 @@ Result<void> ValidateOperation(const Operation& operation, const Style& style,
   const auto region = Validate(operation.region, field + ".region", style.wisp_count);
   if (!region) return region;
   if (const auto* trim = std::get_if<Operation::Trim>(&operation.what); trim && trim->plane) {
-    Region cut;
-    cut.half_spaces = {*trim->plane};
-    if (const auto ok = Validate(cut, field + ".cut.plane", style.wisp_count); !ok) return ok;
+    const double length = trim->plane->normal.norm();
+    if (const auto ok = Check(field + ".cut.plane.normal", length, kNormalRange); !ok) return ok;
+    const auto ok = Check(field + ".cut.plane.offset_m", trim->plane->offset, kOffsetRange);
+    if (!ok) return ok;
   }
   return std::visit(WhatValidator{field, style.segment_length}, operation.what);
 }

@@ -1,7 +1,8 @@
 """Client of Mane, hair simulation as a service.
 
-`Client` talks to a `maned`: it uploads grooms, opens heads of hair that follow streamed head poses,
-and bakes whole motions; hair comes back as numpy arrays. `mane.aio.Client` is the same for asyncio.
+`Client` talks to a `maned`: it uploads grooms, makes hairstyles, opens heads of hair that follow
+streamed head poses, and bakes whole motions; hair comes back as numpy arrays. `mane.aio.Client` is
+the same for asyncio.
 
 All lengths are metres, all angles radians; axes are right-handed with Y up, an upright head looks
 toward +Z; quaternions are (x, y, z, w). `mane.convert` brings other conventions here.
@@ -45,6 +46,7 @@ from mane.groom import (
     frame_along,
 )
 from mane.hairs import Hairs
+from mane.hairstyle import DensityField, Hairstyle, Masters, Members, Outcome, StyleReport
 from mane.heads import LockstepHead, RealtimeHead
 from mane.jobs import Job, JobState
 from mane.mesh import Mesh
@@ -52,6 +54,7 @@ from mane.motion import Motion
 from mane.pose import Environment, Pose
 from mane.strands import HairProperties, ImportOptions, ImportReport, ImportSummary, Strand
 from mane.stream import Notice, NoticeCode, Pacing
+from mane.style import Region, StrandKind, Style, StylePreset
 
 __all__ = [
     "AlreadyExists",
@@ -62,6 +65,7 @@ __all__ = [
     "CapsuleBody",
     "Client",
     "DeadlineExceeded",
+    "DensityField",
     "Diagnostics",
     "Ellipsoid",
     "EllipsoidBody",
@@ -77,6 +81,7 @@ __all__ = [
     "HairProperties",
     "HairType",
     "Hairs",
+    "Hairstyle",
     "ImportOptions",
     "ImportReport",
     "ImportSummary",
@@ -86,24 +91,32 @@ __all__ = [
     "JobFailed",
     "JobState",
     "LockstepHead",
+    "Masters",
     "Material",
+    "Members",
     "Mesh",
     "MeshReport",
     "Motion",
     "NotFound",
     "Notice",
     "NoticeCode",
+    "Outcome",
     "Pacing",
     "PermissionDenied",
     "Pose",
     "RealtimeHead",
+    "Region",
     "ResourceExhausted",
     "RestShape",
     "ScalpContact",
     "Space",
     "Status",
     "Strand",
+    "StrandKind",
     "StrandModel",
+    "Style",
+    "StylePreset",
+    "StyleReport",
     "Unauthenticated",
     "Unavailable",
     "frame_along",

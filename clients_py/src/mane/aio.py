@@ -19,7 +19,7 @@ from grpc import aio
 from grpc_health.v1 import health_pb2, health_pb2_grpc
 from numpy.typing import ArrayLike
 
-from mane import channel, jobs, messages, strand_messages, stream
+from mane import channel, jobs, messages, strand_messages, stream, style_messages
 from mane import client as blocking
 from mane.aio_heads import Head, LockstepHead, RealtimeHead, open_head
 from mane.bodies import Body, ScalpContact
@@ -27,6 +27,7 @@ from mane.client import Status
 from mane.frames import Frame, FrameFormat, Space
 from mane.groom import Ellipsoid, Groom, Guide, GuideGeneration, RestShape
 from mane.hairs import Hairs
+from mane.hairstyle import Hairstyle
 from mane.helix import Strands
 from mane.jobs import Job
 from mane.mesh import Mesh
@@ -34,6 +35,7 @@ from mane.motion import Motion
 from mane.pose import Environment
 from mane.strands import ImportOptions, ImportReport, Strand
 from mane.stream import Pacing
+from mane.style import Style, StylePreset
 from mane.v1 import (
     animation_pb2,
     bake_pb2,
@@ -42,6 +44,8 @@ from mane.v1 import (
     groom_pb2_grpc,
     job_pb2,
     job_pb2_grpc,
+    style_pb2,
+    style_pb2_grpc,
 )
 
 __all__ = ["Bake", "Client", "Head", "LockstepHead", "RealtimeHead"]
@@ -70,6 +74,7 @@ class Client:
         self._grooms = groom_pb2_grpc.GroomServiceStub(self._channel)
         self._bakes = bake_pb2_grpc.BakeServiceStub(self._channel)
         self._jobs = job_pb2_grpc.JobServiceStub(self._channel)
+        self._styling = style_pb2_grpc.StylingServiceStub(self._channel)
 
     async def close(self) -> None:
         await self._channel.close()
@@ -196,6 +201,43 @@ class Client:
         job = jobs.from_message(await self._call(self._bakes.BakeAnimation, request))
         reading = jobs.Reading(request.groom, request.format, request.space, points_per_guide)
         return Bake(self, job, reading)
+
+    async def apply_style(
+        self,
+        style: Style,
+        *,
+        scalp: Mesh | Ellipsoid,
+        scalp_contact: ScalpContact | None = None,
+        bodies: Iterable[Body] = (),
+        guides: ImportOptions | None = None,
+        groom_id: str = "",
+        display_name: str = "",
+    ) -> Job:
+        """As `mane.Client.apply_style`."""
+        return await asyncio.to_thread(
+            self._blocking.apply_style,
+            style,
+            scalp=scalp,
+            scalp_contact=scalp_contact,
+            bodies=bodies,
+            guides=guides,
+            groom_id=groom_id,
+            display_name=display_name,
+        )
+
+    async def read_hairstyle(self, job: Job | str) -> Hairstyle:
+        """As `mane.Client.read_hairstyle`."""
+        parts = style_messages.DownloadedHairstyle()
+        request = messages.of_job(style_pb2.ReadHairstyleRequest, job)
+        async for part in self._stream(self._styling.ReadHairstyle(request)):
+            parts.add(part)
+        return parts.hairstyle()
+
+    async def style_presets(self) -> list[StylePreset]:
+        """As `mane.Client.style_presets`."""
+        request = style_pb2.ListStylePresetsRequest()
+        answer = await self._call(self._styling.ListStylePresets, request)
+        return style_messages.from_presets(answer)
 
     async def get_job(self, job: Job | str) -> Job:
         """As `mane.Client.get_job`."""

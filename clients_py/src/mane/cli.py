@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from mane import channel, cli_experiment, cli_groom, cli_job, cli_motion
+from mane import channel, cli_experiment, cli_groom, cli_job, cli_motion, cli_style
 from mane.client import Client
 from mane.errors import Error
 from mane.progress import err, out
@@ -19,6 +19,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 app.add_typer(cli_groom.app, name="groom")
+app.add_typer(cli_style.app, name="style")
 app.add_typer(cli_job.app, name="job")
 app.add_typer(cli_experiment.app, name="experiment")
 app.command()(cli_motion.animate)
@@ -43,13 +44,14 @@ def connect(
         typer.Option(envvar="MANE_TOKEN", help="Bearer token; needs --tls or --ca-file."),
     ] = None,
 ) -> None:
-    """Hair simulation as a service: grooms, moving heads of hair, bakes.
+    """Hair simulation as a service: grooms, hairstyles, moving heads of hair, bakes.
 
     A first tour, with `maned` running on this machine:
 
     ```
     mane status
     mane groom create demo --hair-type caucasian_wavy --guides 200 --length 0.25
+    mane style apply bob -o bob --picture bob.png
     mane animate walk.bvh -g demo -o walk.npz --picture walk.png
     ```
 

@@ -1,4 +1,4 @@
-"""Options of commands that make hair: what it meets."""
+"""Options of commands that make hair: the head it grows on, and what it meets."""
 
 from __future__ import annotations
 
@@ -8,9 +8,16 @@ from typing import Annotated
 import typer
 
 from mane.bodies import Body, Material
+from mane.convert import UNITS_M
+from mane.errors import InvalidArgument
 from mane.groom import Groom
-from mane.mesh import load_obj
+from mane.mesh import Mesh, load_head, load_obj, mannequin
 
+
+def _unit(value: str) -> str:
+    if value not in UNITS_M:
+        raise typer.BadParameter(f"{value!r} is not one of {', '.join(UNITS_M)}")
+    return value
 
 
 def _wisp_radius(value: float) -> float:
@@ -19,6 +26,23 @@ def _wisp_radius(value: float) -> float:
     return value
 
 
+Scalp = Annotated[
+    Path | None,
+    typer.Option(
+        exists=True,
+        dir_okay=False,
+        help="OBJ file of a head or body, Y up; without it hair grows on Mane's mannequin.",
+    ),
+]
+Group = Annotated[
+    str | None, typer.Option(help="Group of the OBJ file that is skin; all unless given.")
+]
+Unit = Annotated[
+    str, typer.Option(callback=_unit, help=f"Unit of the OBJ files: {', '.join(UNITS_M)}.")
+]
+Contact = Annotated[
+    bool, typer.Option(help="Let hair meet head and shoulders, of skin, and not pass through.")
+]
 Bodies = Annotated[
     list[str] | None,
     typer.Option(
@@ -35,6 +59,14 @@ WispRadius = Annotated[
         help="Of each guide's wisp, which others stay out of, 0 to 0.1 metres.",
     ),
 ]
+
+
+def load_scalp(scalp: Path | None, group: str | None, unit: str) -> Mesh:
+    """The head of a file, or the mannequin. InvalidArgument names `scalp`."""
+    try:
+        return load_head(scalp, group, UNITS_M[unit]) if scalp else mannequin()
+    except ValueError as error:
+        raise InvalidArgument.of("scalp", str(error)) from error
 
 
 def load_bodies(given: list[str] | None, material: Material, unit_m: float) -> list[Body]:

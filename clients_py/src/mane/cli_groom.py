@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
 from rich.table import Table
 
-from mane import cli_bodies, cli_import, mesh
+from mane import cli_bodies, cli_import
 from mane.bodies import Material, ScalpContact
 from mane.client import Client
 from mane.convert import UNITS_M
-from mane.errors import InvalidArgument
 from mane.groom import Groom, GuideGeneration, HairType, StrandModel
 from mane.progress import listing, out, waiting
 
@@ -47,21 +45,10 @@ def create(
         ),
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Same seed, same hair.")] = 0,
-    scalp: Annotated[
-        Path | None,
-        typer.Option(
-            exists=True,
-            dir_okay=False,
-            help="OBJ file of a head or body, Y up; without it hair grows on Mane's mannequin.",
-        ),
-    ] = None,
-    group: Annotated[
-        str | None, typer.Option(help="Group of the OBJ file that is skin; all unless given.")
-    ] = None,
-    unit: Annotated[str, typer.Option(help=f"Unit of the OBJ files: {', '.join(UNITS_M)}.")] = "m",
-    scalp_contact: Annotated[
-        bool, typer.Option(help="Let hair meet head and shoulders, of skin, and not pass through.")
-    ] = False,
+    scalp: cli_bodies.Scalp = None,
+    group: cli_bodies.Group = None,
+    unit: cli_bodies.Unit = "m",
+    scalp_contact: cli_bodies.Contact = False,
     body: cli_bodies.Bodies = None,
     body_material: cli_bodies.BodyMaterial = Material.UNSPECIFIED,
     wisp_radius: cli_bodies.WispRadius = 0.0,
@@ -81,14 +68,7 @@ def create(
     The unit is that of all OBJ files.
     """
     client: Client = context.obj
-    if unit not in UNITS_M:
-        raise typer.BadParameter(
-            f"{unit!r} is not one of {', '.join(UNITS_M)}", param_hint="--unit"
-        )
-    try:
-        head = mesh.load_head(scalp, group, UNITS_M[unit]) if scalp else mesh.mannequin()
-    except ValueError as error:
-        raise InvalidArgument.of("scalp", str(error)) from error
+    head = cli_bodies.load_scalp(scalp, group, unit)
     bodies = cli_bodies.load_bodies(body, body_material, UNITS_M[unit])
     generate = GuideGeneration(
         hair_type, guides, length, elements, seed, model=model, wisp_radius_m=wisp_radius

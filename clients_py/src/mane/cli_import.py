@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 from pathlib import Path
 from typing import Annotated
 
@@ -106,10 +105,6 @@ def import_(
             raise typer.BadParameter(
                 f"{value!r} is not one of {', '.join(known)}", param_hint=option
             )
-    if picture and importlib.util.find_spec("PIL") is None:
-        raise typer.BadParameter(
-            "needs Pillow; pip install 'mane[pictures]'", param_hint="--picture"
-        )
     given = thinned(load_strands(file, unit, axes), strands, points)
     options = ImportOptions(
         hair_type=hair_type,

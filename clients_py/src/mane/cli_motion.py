@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated
@@ -18,7 +17,7 @@ from mane.motion import Motion, read_bvh
 from mane.progress import counted, err, out, waiting, watched
 
 
-def _writable(path: Path | None) -> Path | None:
+def writable(path: Path | None) -> Path | None:
     """Refuses a file in a folder that does not exist, before the work rather than after it."""
     if path is not None and not path.absolute().parent.is_dir():
         raise typer.BadParameter(f"{path.parent} is not a folder")
@@ -35,15 +34,15 @@ _Groom = Annotated[str, typer.Option("-g", "--groom", help="Which hair, such as 
 _Output = Annotated[
     Path,
     typer.Option(
-        "-o", "--output", dir_okay=False, callback=_writable, help="The .npz file to write."
+        "-o", "--output", dir_okay=False, callback=writable, help="The .npz file to write."
     ),
 ]
 _Picture = Annotated[
     Path | None,
     typer.Option(
         dir_okay=False,
-        callback=_writable,
-        help="Also draw the hair at several times into this PNG file; needs `mane[pictures]`.",
+        callback=writable,
+        help="Also draw the hair at several times into this PNG file.",
     ),
 ]
 _Rate = Annotated[float, typer.Option(min=1, help="Poses and frames per second.")]
@@ -84,8 +83,6 @@ def animate(
     time_s,x,y,z,qx,qy,qz,qw.
     """
     client: Client = context.obj
-    if picture:
-        _require_pillow()
     motion = _load(file, rate, joint, height, axes)
     options = {"format": format, "points_per_guide": points, "substeps": substeps}
     with client.open_head(groom, "lockstep", **options) as head:
@@ -123,8 +120,6 @@ def bake(
     follows and cancels it. Interrupting this command cancels the job.
     """
     client: Client = context.obj
-    if picture:
-        _require_pillow()
     motion = _load(file, rate, joint, height, axes)
     job = client.bake(groom, motion, format=format, points_per_guide=points, substeps=substeps)
     try:
@@ -171,13 +166,6 @@ def _save(output: Path, motion: Motion, positions: np.ndarray) -> None:
         )
     frames, guides, points, _ = positions.shape
     out.print(f"{output}: {frames} frames, {guides} guides, {points} points")
-
-
-def _require_pillow() -> None:
-    if importlib.util.find_spec("PIL") is None:
-        raise typer.BadParameter(
-            "needs Pillow; pip install 'mane[pictures]'", param_hint="--picture"
-        )
 
 
 def _draw(client: Client, groom: str, picture: Path, motion: Motion, positions) -> None:

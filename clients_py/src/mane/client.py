@@ -13,12 +13,13 @@ import grpc
 from grpc_health.v1 import health_pb2, health_pb2_grpc
 from numpy.typing import ArrayLike
 
-from mane import channel, jobs, messages, strand_messages, stream
+from mane import channel, jobs, messages, strand_messages, stream, style_messages
 from mane.bodies import Body, ScalpContact
 from mane.errors import InvalidArgument
 from mane.frames import Frame, FrameFormat, Space
 from mane.groom import Ellipsoid, Groom, Guide, GuideGeneration, RestShape
 from mane.hairs import Hairs
+from mane.hairstyle import Hairstyle
 from mane.heads import CLOSE_TIMEOUT_S, LockstepHead, RealtimeHead
 from mane.helix import Strands
 from mane.jobs import Job
@@ -27,6 +28,7 @@ from mane.motion import Motion
 from mane.pose import Environment
 from mane.strands import ImportOptions, ImportReport, Strand
 from mane.stream import Pacing
+from mane.style import GUIDES, Style, StylePreset
 from mane.v1 import (
     animation_pb2,
     animation_pb2_grpc,
@@ -36,6 +38,8 @@ from mane.v1 import (
     groom_pb2_grpc,
     job_pb2,
     job_pb2_grpc,
+    style_pb2,
+    style_pb2_grpc,
 )
 
 
@@ -89,6 +93,7 @@ class Client:
         self._animation = animation_pb2_grpc.AnimationServiceStub(self._channel)
         self._bakes = bake_pb2_grpc.BakeServiceStub(self._channel)
         self._jobs = job_pb2_grpc.JobServiceStub(self._channel)
+        self._styling = style_pb2_grpc.StylingServiceStub(self._channel)
 
     def close(self) -> None:
         """Closes the connection, and with it what still uses it."""
@@ -281,6 +286,51 @@ class Client:
         job = jobs.from_message(self._call(self._bakes.BakeAnimation, request))
         reading = jobs.Reading(request.groom, request.format, request.space, points_per_guide)
         return Bake(self, job, reading)
+
+    def apply_style(
+        self,
+        style: Style,
+        *,
+        scalp: Mesh | Ellipsoid,
+        scalp_contact: ScalpContact | None = None,
+        bodies: Iterable[Body] = (),
+        guides: ImportOptions | None = None,
+        groom_id: str = "",
+        display_name: str = "",
+    ) -> Job:
+        """Submits a job that makes a style on a scalp; `watch_job` follows it. When it has
+        succeeded, the groom is there, and `read_hairstyle` gives all hair.
+
+        Args:
+          style: what to make.
+          scalp: a triangle mesh or an ellipsoid in the head frame. Styling keeps hair out of it.
+          scalp_contact: where hair meets the scalp when it is animated; None where it passes
+            through.
+          bodies: as in `create_groom`; styling keeps hair out of them where they are on the head.
+          guides: how master strands become guides; None is `mane.style.GUIDES`.
+          groom_id, display_name: as in `create_groom`.
+
+        Raises InvalidArgument that names the offending field
+        (`header.style.queues[1].constraints[0].radius_m`), and others as `create_groom`.
+        """
+        requests = style_messages.apply_style(
+            style, guides or GUIDES, scalp, scalp_contact, bodies, groom_id, display_name
+        )
+        return jobs.from_message(self._call(self._styling.ApplyStyle, requests, patience=10))
+
+    def read_hairstyle(self, job: Job | str) -> Hairstyle:
+        """What a finished style job made. FailedPrecondition while it is not finished."""
+        parts = style_messages.DownloadedHairstyle()
+        request = messages.of_job(style_pb2.ReadHairstyleRequest, job)
+        call = self._styling.ReadHairstyle(request, timeout=10 * self._timeout_s)
+        for part in self._stream(call):
+            parts.add(part)
+        return parts.hairstyle()
+
+    def style_presets(self) -> list[StylePreset]:
+        """Shipped styles, to use as they are or to change."""
+        request = style_pb2.ListStylePresetsRequest()
+        return style_messages.from_presets(self._call(self._styling.ListStylePresets, request))
 
     def get_job(self, job: Job | str) -> Job:
         """A job, by `jobs/{job}` or its last part."""

@@ -25,7 +25,7 @@ class Job:
 
     Attributes:
       name: `jobs/{job}`.
-      kind: `bake`.
+      kind: `bake` or `style`.
       state: a `JobState`.
       progress: 0 to 1.
       seconds_left: estimate while running; 0 when unknown.

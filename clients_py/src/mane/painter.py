@@ -11,11 +11,12 @@ the light. Head and hair go through one z-buffer (mane.raster), so that either h
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.ndimage import gaussian_filter1d
 from scipy.spatial.transform import Rotation
 
@@ -56,18 +57,19 @@ class View:
 class Look:
     """How pictures look.
 
-    hair_color: linear RGB, each in [0, 1]. hairs: about how many are drawn, at least 1. tip_part:
-    width of a wisp at its tip relative to the root, in [0, 10]; below 1 it closes, above 1 it
-    opens. size: pixels of a picture's side, a multiple of 16.
+    hair_color: linear RGB, each in [0, 1], (3,), or one for each strand, (guides, 3). hairs: about
+    how many are drawn, at least 1; None draws the strands as they are, which then are no guides but
+    hairs. tip_part: width of a wisp at its tip relative to the root, in [0, 10]; below 1 it closes,
+    above 1 it opens. size: pixels of a picture's side, a multiple of 16.
     """
 
-    hair_color: Sequence[float] = (0.13, 0.06, 0.025)
-    hairs: int = 2400
+    hair_color: ArrayLike = (0.13, 0.06, 0.025)
+    hairs: int | None = 2400
     tip_part: float = 0.45
     size: int = 480
 
     def __post_init__(self) -> None:
-        if self.hairs < 1:
+        if self.hairs is not None and self.hairs < 1:
             raise InvalidArgument.of("hairs", f"is {self.hairs}, must be at least 1")
         if not 0 <= self.tip_part <= 10:
             raise InvalidArgument.of("tip_part", f"is {self.tip_part}, must be in [0, 10]")
@@ -107,13 +109,20 @@ class Painter:
         if not np.isfinite(positions).all():
             raise InvalidArgument.of("positions", "holds a number that is not finite")
         self._mesh, self._positions, self._motion = mesh, positions, motion
-        self._color, self._size = np.asarray(look.hair_color, np.float32), look.size
+        color, strands = np.asarray(look.hair_color, np.float32), positions.shape[1]
+        if color.shape not in ((3,), (strands, 3)):
+            raise InvalidArgument.of(
+                "hair_color", f"has shape {color.shape}, must be (3,) or ({strands}, 3)"
+            )
+        self._size = look.size
         self._heads = Rotation.from_quat(motion.orientations)
         roots = self._heads[0].inv().apply(positions[0, :, 0] - motion.positions[0])
-        self._wisps, self._tip_part = Wisps.scatter(mesh, roots, look.hairs), look.tip_part
+        self._wisps = Wisps.scatter(mesh, roots, look.hairs) if look.hairs else Wisps.bare(strands)
+        self._tip_part = look.tip_part
+        self._color = color[self._wisps.guide, None] if color.ndim == 2 else color
         if mesh is not None:
             self._normals = mesh.vertex_normals()
-            self._skin = _scalp_colors(mesh, self._color)
+            self._skin = _scalp_colors(mesh, color.reshape(-1, 3).mean(axis=0))
             self._inside = 0.0 if mesh.is_closed() else 0.25  # Brightness, where it can be seen.
         self._bodies = [
             (motion.bodies[name], body, body.vertex_normals()) for name, body in bodies.items()

@@ -14,6 +14,7 @@ import numpy as np
 
 SUPERSAMPLING = 2
 _NEAR_M = 0.02  # Nothing closer to the eye is drawn [m].
+_POINTS_AT_A_TIME = 1 << 15  # So that what is between fits into caches.
 
 
 @dataclass(frozen=True)
@@ -100,6 +101,19 @@ class ZBuffer:
 
     def lines(self, points: np.ndarray, colors: np.ndarray) -> None:
         """Draws polylines one fine pixel wide. points, colors: (lines, points on each, 3)."""
+        some = max(1, _POINTS_AT_A_TIME // points.shape[1])
+        for first in range(0, len(points), some):
+            self._lines(points[first : first + some], colors[first : first + some])
+
+    def image(self) -> np.ndarray:
+        """The picture as uint8 (height, width, 3), sRGB."""
+        height, width = self._shape[0] // SUPERSAMPLING, self._shape[1] // SUPERSAMPLING
+        fine = self._color.reshape(height, SUPERSAMPLING, width, SUPERSAMPLING, 3)
+        cells = [fine[:, i, :, j] for i in range(SUPERSAMPLING) for j in range(SUPERSAMPLING)]
+        mean = np.clip(sum(cells) / len(cells), 0, 1)
+        return (255 * mean ** np.float32(1 / 2.2) + np.float32(0.5)).astype(np.uint8)
+
+    def _lines(self, points: np.ndarray, colors: np.ndarray) -> None:
         x, y, z = np.ascontiguousarray(self._project(points).transpose(2, 0, 1))
         start = np.arange(x.size).reshape(x.shape)[:, :-1].ravel()
         x, y, z, colors = x.ravel(), y.ravel(), z.ravel(), colors.reshape(-1, 3).astype(np.float32)
@@ -118,14 +132,6 @@ class ZBuffer:
         )
         at, t = at[won], t[won, None]
         self._color[pixel] = (1 - t) * colors[at] + t * colors[at + 1]
-
-    def image(self) -> np.ndarray:
-        """The picture as uint8 (height, width, 3), sRGB."""
-        height, width = self._shape[0] // SUPERSAMPLING, self._shape[1] // SUPERSAMPLING
-        fine = self._color.reshape(height, SUPERSAMPLING, width, SUPERSAMPLING, 3)
-        cells = [fine[:, i, :, j] for i in range(SUPERSAMPLING) for j in range(SUPERSAMPLING)]
-        mean = np.clip(sum(cells) / len(cells), 0, 1)
-        return (255 * mean ** np.float32(1 / 2.2) + np.float32(0.5)).astype(np.uint8)
 
     def _project(self, points: np.ndarray) -> np.ndarray:
         return self._camera.project(points, self._shape[1], self._shape[0]).astype(np.float32)

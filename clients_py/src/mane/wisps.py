@@ -52,6 +52,11 @@ class Wisps:
             guide, offset, rng.uniform(0.75, 1.0, len(guide)), rng.uniform(0.7, 1.25, len(guide))
         )
 
+    @staticmethod
+    def bare(strands: int) -> Wisps:
+        """The given strands themselves, whole."""
+        return Wisps(np.arange(strands), np.zeros((strands, 3)), np.ones(strands), np.ones(strands))
+
     def hairs(self, guides: np.ndarray, head: Rotation, tip_part: float) -> np.ndarray:
         """Curves (h, points, 3) for guides (guides, points, 3), both in the world [m].
 

@@ -1,0 +1,354 @@
+"""Hairstyles as documents, and what a hairdresser does to them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from google.protobuf import json_format
+from numpy.typing import ArrayLike
+
+from mane import grey_png, scalp_maps, style_json
+from mane.errors import InvalidArgument
+from mane.pose import choice
+from mane.strands import ImportOptions
+from mane.v1 import style_pb2
+from mane.value_messages import vector3
+
+Image = ArrayLike | str | os.PathLike | bytes
+"""Numbers (height, width) in [0, 1], or a PNG file: its path or its content."""
+
+HalfSpace = tuple[ArrayLike, float]
+"""All x with normal . x >= offset_m: the normal (3,) and the offset [m], head frame."""
+
+
+GUIDES = ImportOptions(element_count=10, error_bound_m=0)
+"""How master strands become guides unless told otherwise."""
+
+
+class StrandKind(StrEnum):
+    """Patterns of shipped prototype strands."""
+
+    STRAIGHT = "straight"
+    WAVY = "wavy"
+    CURLY = "curly"
+    FUZZY = "fuzzy"
+    KINKY = "kinky"
+
+
+@dataclass(frozen=True, eq=False)
+class Region:
+    """A part of the scalp: where everything that is given holds; nothing given is all of it.
+
+    Angles are about the middle of the hair region: polar from straight up, azimuth from the
+    forehead (+Z) toward +X.
+
+    Attributes:
+      polar: low and high [rad], in [0, pi].
+      azimuth: low and high [rad], in [-pi, pi]; low > high goes through the nape.
+      half_spaces: at most 16 pairs of a normal (3,) and an offset [m], head frame; points with
+        normal . x >= offset are in.
+      mask: an image over the scalp, as maps are: lighter than half is in.
+      wisps: numbers of wisps, from 0.
+    """
+
+    polar: tuple[float, float] | None = None
+    azimuth: tuple[float, float] | None = None
+    half_spaces: Sequence[HalfSpace] = ()
+    mask: Image | None = None
+    wisps: Sequence[int] = ()
+
+    def message(self, field: str = "region") -> style_pb2.ScalpRegion:
+        """As the API has it. InvalidArgument names a part of `field` that has another shape."""
+        message = style_pb2.ScalpRegion()
+        for name in ("polar", "azimuth"):
+            if getattr(self, name) is not None:
+                low, high = _array(f"{field}.{name}", getattr(self, name), (2,))
+                getattr(message, name).CopyFrom(style_pb2.ScalpRegion.Interval(low=low, high=high))
+        for index, half_space in enumerate(self.half_spaces):
+            message.half_spaces.append(_half_space(f"{field}.half_spaces[{index}]", half_space))
+        if self.mask is not None:
+            message.mask_png = grey_png.of(self.mask, f"{field}.mask")
+        try:
+            message.wisps.extend(int(wisp) for wisp in self.wisps)
+        except (TypeError, ValueError) as error:
+            raise InvalidArgument.of(
+                f"{field}.wisps", f"must be numbers of wisps: {error}"
+            ) from error
+        return message
+
+
+class Style:
+    """A hairstyle, whole: the document that people save, diff and replay.
+
+    `message` holds it, with the fields that `proto/mane/v1/style.proto` describes; what is unset
+    has the value named there. Every operation leaves this style as it is and gives back a changed
+    copy:
+
+        style = mane.Style(seed=3, wisp_count=1000).with_map("length", value=0.3)
+        tail = style.tie(mane.Region(polar=(0, 1.2)), point=(0, 0.12, -0.14))
+
+    Args:
+      message: is copied; None is an empty one.
+      fields: of the message, in place of its own: `seed`, `wisp_count`, ...
+    """
+
+    def __init__(self, message: style_pb2.Style | None = None, /, **fields):
+        self.message = style_pb2.Style()
+        if message is not None:
+            self.message.CopyFrom(message)
+        try:
+            given = style_pb2.Style(**fields)
+        except (TypeError, ValueError) as error:
+            raise InvalidArgument.of("style", str(error)) from error
+        for name in fields:
+            self.message.ClearField(name)
+        self.message.MergeFrom(given)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike) -> Style:
+        """The style of a JSON file. InvalidArgument names the file and the field that is wrong."""
+        return cls(style_json.parse(Path(path).read_text(encoding="utf-8"), str(path)))
+
+    @classmethod
+    def from_json(cls, text: str) -> Style:
+        """The style of a JSON text. InvalidArgument names the field that is wrong."""
+        return cls(style_json.parse(text))
+
+    def to_json(self) -> str:
+        """As JSON, protobuf's own mapping: names as in the API, in its order; what is unset is left
+        out."""
+        return json_format.MessageToJson(self.message, preserving_proto_field_name=True) + "\n"
+
+    def save(self, path: str | os.PathLike) -> None:
+        """Writes a JSON file."""
+        Path(path).write_text(self.to_json(), encoding="utf-8")
+
+    def copy(self) -> Style:
+        return Style(self.message)
+
+    def __eq__(self, other) -> bool:
+        return isinstance(other, Style) and self.message == other.message
+
+    __hash__ = None
+
+    def __repr__(self) -> str:
+        return f"Style.from_json({self.to_json()!r})"
+
+    def with_map(
+        self,
+        name: Literal["density", "length", "protrusion"],
+        *,
+        value: float | None = None,
+        by_polar: Iterable[tuple[float, float]] = (),
+        by_azimuth: Iterable[tuple[float, float]] = (),
+        image: Image | None = None,
+    ) -> Style:
+        """With another map: the product of what is given.
+
+        Args:
+          name: `density` of strands, relative; `length` of master strands [m]; `protrusion`, 1
+            where roots leave along the normal, 0 along the scalp.
+          value: everywhere; None is the map's own, see `mane.scalp_maps.UNSET`.
+          by_polar: factors over the polar angle, pairs (at, value), `at` increasing in [0, pi];
+            linear between them.
+          by_azimuth: factors over the azimuth likewise, in [-pi, pi], periodic.
+          image: a factor, see `mane.scalp_maps`. Arrays travel in 8 bits.
+        """
+        if name not in scalp_maps.UNSET:
+            known = ", ".join(scalp_maps.UNSET)
+            raise InvalidArgument.of("name", f"is {name!r}, must be one of {known}")
+        scalp_map = style_pb2.ScalpMap(
+            value=value,
+            by_polar=_stops(f"{name}.by_polar", by_polar),
+            by_azimuth=_stops(f"{name}.by_azimuth", by_azimuth),
+            png=None if image is None else grey_png.of(image, f"{name}.image"),
+        )
+        changed = self.copy()
+        getattr(changed.message, name).CopyFrom(scalp_map)
+        return changed
+
+    def with_prototype(self, kind: StrandKind | str = StrandKind.STRAIGHT, **synthesis) -> Style:
+        """With another prototype strand for all hair; arguments as of `wave`."""
+        changed = self.copy()
+        changed.message.synthesis.CopyFrom(_synthesis(kind, **synthesis))
+        return changed
+
+    def cut(
+        self,
+        region: Region | None = None,
+        *,
+        length_m: float = 0.0,
+        plane: HalfSpace | None = None,
+    ) -> Style:
+        """Shortens hair of a region; None is all of it.
+
+        Args:
+          length_m: longest that is left [m]; 0 for what `plane` leaves.
+          plane: hair that is beyond it when it hangs ends where it meets it; a normal (3,) and an
+            offset [m].
+        """
+        cut = style_pb2.HairdressingOperation.Cut(length_m=length_m)
+        if plane is not None:
+            cut.plane.CopyFrom(_half_space("plane", plane))
+        return self._dressed(region, cut=cut)
+
+    def wave(
+        self,
+        region: Region | None = None,
+        *,
+        kind: StrandKind | str = StrandKind.WAVY,
+        **synthesis,
+    ) -> Style:
+        """Gives hair of a region another pattern.
+
+        Args:
+          kind: a `StrandKind` or its value.
+          amplitude_m, period_m: radius of its curls and length of a turn [m]; 0 for its own. A turn
+            needs four segments at least: `segment_length_m` of the style says how long one is.
+          points: in place of a shipped strand, one's own: (k, 3), root first [m], k from 4.
+          window: control points that are compared, at most 200; 0 for the longest structure.
+          temperature: 0 follows the prototype, more strays from it, up to 10.
+        """
+        wave = style_pb2.HairdressingOperation.Wave(synthesis=_synthesis(kind, **synthesis))
+        return self._dressed(region, wave=wave)
+
+    def comb(
+        self,
+        region: Region | None = None,
+        *,
+        path: ArrayLike,
+        radius_m: float = 0.03,
+        weight: float | None = None,
+    ) -> Style:
+        """Leads hair of a region along a path.
+
+        Args:
+          path: (k, 3), head frame [m], k from 2.
+          radius_m: how far from the path it acts [m].
+          weight: against the hair's own way, in [0, 1]; None is 0.8.
+        """
+        comb = style_pb2.HairdressingOperation.Comb(
+            path=_path(path), radius_m=radius_m, weight=weight
+        )
+        return self._dressed(region, comb=comb)
+
+    def tie(
+        self, region: Region | None = None, *, point: ArrayLike, radius_m: float = 0.015
+    ) -> Style:
+        """Gathers hair of a region at a point (3,), head frame [m], in a ribbon of that radius."""
+        tie = style_pb2.HairdressingOperation.Tie(point=vector3(point, "point"), radius_m=radius_m)
+        return self._dressed(region, tie=tie)
+
+    def braid(
+        self,
+        region: Region | None = None,
+        *,
+        path: ArrayLike,
+        strand_count: int = 3,
+        radius_m: float = 0.02,
+        period_m: float = 0.1,
+    ) -> Style:
+        """Gathers hair of a region at the start of a path, and braids it along that.
+
+        Args:
+          path: (k, 3), head frame [m], k from 2.
+          strand_count: 2 to 9.
+          radius_m: half the width of the braid [m].
+          period_m: length in which each strand is back in its place [m].
+        """
+        braid = style_pb2.HairdressingOperation.Braid(
+            path=_path(path), strand_count=strand_count, radius_m=radius_m, period_m=period_m
+        )
+        return self._dressed(region, braid=braid)
+
+    def _dressed(self, region: Region | None, **operation) -> Style:
+        changed = self.copy()
+        added = changed.message.operations.add(**operation)
+        if region is not None:
+            if not isinstance(region, Region):
+                raise InvalidArgument.of("region", f"is {region!r}, must be a Region")
+            added.region.CopyFrom(region.message())
+        return changed
+
+
+@dataclass(frozen=True, eq=False)
+class StylePreset:
+    """A shipped style.
+
+    Attributes:
+      name: such as `bob`.
+      description: one sentence.
+      style: for a head of human size with its centre at the origin.
+    """
+
+    name: str
+    description: str
+    style: Style
+
+
+def _array(field: str, values: ArrayLike, shape: tuple[int, ...]) -> np.ndarray:
+    """`values` as float64 of that shape, -1 for any length."""
+    try:
+        array = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InvalidArgument.of(field, f"must be numbers: {error}") from error
+    fits = array.ndim == len(shape) and all(
+        want in (-1, have) for want, have in zip(shape, array.shape, strict=True)
+    )
+    if not fits:
+        wanted = str(shape).replace("-1", "k")
+        raise InvalidArgument.of(field, f"has shape {array.shape}, must be {wanted}")
+    return array
+
+
+def _half_space(field: str, value: HalfSpace) -> style_pb2.ScalpRegion.HalfSpace:
+    try:
+        normal, offset_m = value
+        offset_m = float(offset_m)
+    except (TypeError, ValueError):
+        raise InvalidArgument.of(
+            field, f"is {value!r}, must be a normal (3,) and an offset in metres"
+        ) from None
+    normal = _array(f"{field}.normal", normal, (3,))
+    return style_pb2.ScalpRegion.HalfSpace(normal=vector3(normal), offset_m=offset_m)
+
+
+def _stops(field: str, stops: Iterable[tuple[float, float]]) -> list[style_pb2.Stop]:
+    pairs = list(stops)
+    array = _array(field, pairs, (-1, 2)) if pairs else ()
+    return [style_pb2.Stop(at=at, value=value) for at, value in array]
+
+
+def _path(path: ArrayLike) -> list:
+    points = _array("path", path, (-1, 3))
+    if len(points) < 2:
+        raise InvalidArgument.of("path", f"has shape {points.shape}, must have 2 points or more")
+    return [vector3(point) for point in points]
+
+
+def _synthesis(
+    kind: StrandKind | str,
+    *,
+    points: ArrayLike | None = None,
+    amplitude_m: float = 0.0,
+    period_m: float = 0.0,
+    window: int = 0,
+    temperature: float = 0.0,
+) -> style_pb2.Synthesis:
+    if points is None:
+        name = choice("kind", StrandKind, kind).name
+        prototype = style_pb2.Prototype(
+            kind=style_pb2.StrandKind.Value(f"STRAND_KIND_{name}"),
+            amplitude_m=amplitude_m,
+            period_m=period_m,
+        )
+    else:
+        line = _array("points", points, (-1, 3))
+        prototype = style_pb2.Prototype(points=line.astype("<f4").tobytes())
+    return style_pb2.Synthesis(prototype=prototype, window=window, temperature=temperature)
