@@ -142,15 +142,15 @@ TEST(MapTest, WrongNumbersAreNamed) {
   ExpectError({1, {}, {{-3.2, 1}}, {}}, "length.by_azimuth[0].at");
   ExpectError({1, {}, {{1, 1}, {0, 1}}, {}}, "length.by_azimuth[1].at");
   ExpectError({1, {{0, 1.5}}, {{0, 1.5}}, {}}, "length");
-  ExpectError({1, {}, {}, Image(0, 3, 0)}, "length.image.width");
-  ExpectError({1, {}, {}, Image(3, 4097, 0)}, "length.image.height");
+  ExpectError({1, {}, {}, Image(0, 3, 0)}, "length.png.width");
+  ExpectError({1, {}, {}, Image(3, 4097, 0)}, "length.png.height");
   auto image = Image(3, 3, 0);
   image->values[4] = float(nan);
-  ExpectError({1, {}, {}, image}, "length.image.values[4]");
+  ExpectError({1, {}, {}, image}, "length.png.values[4]");
   image->values[4] = 1.01f;
-  ExpectError({1, {}, {}, image}, "length.image.values[4]");
+  ExpectError({1, {}, {}, image}, "length.png.values[4]");
   image->values.pop_back();
-  ExpectError({1, {}, {}, image}, "length.image.values");
+  ExpectError({1, {}, {}, image}, "length.png.values");
 }
 
 }  // namespace

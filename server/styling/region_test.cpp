@@ -131,7 +131,7 @@ TEST_F(RegionTest, WhatIsWrongOrLeavesNothingIsNamed) {
   region.mask = std::make_shared<MapImage>(MapImage{2, 1, {0.5f, 0.2f}});
   ExpectError(region, "selection.mask_png");
   region.mask = std::make_shared<MapImage>(MapImage{2, 1, {0.5f}});
-  ExpectError(region, "selection.mask.values");
+  ExpectError(region, "selection.mask_png.values");
   region = {};
   region.wisps = {3, 10};
   ExpectError(region, "selection.wisps[1]");
