@@ -86,6 +86,8 @@ def test_hair_comes_as_arrays(styled):
     )
     assert (hairstyle.density.low <= lowest + 0.05).all() and (top >= highest - 0.05).all()
     assert hairstyle.density.values.max() > 0
+    # Gravity, of which the style says nothing else.
+    assert (hairstyle.field.values == np.float32([0, -1, 0])).all()
 
 
 def test_maps_come_back_as_they_are_drawn_here(styled):
@@ -117,7 +119,7 @@ def test_the_groom_opens_as_a_head_and_moves(client, styled):
 def test_the_same_style_makes_the_same_bits_and_another_seed_others(client, styled):
     _, first, groom = styled
     again = finish(client, client.apply_style(small(), scalp=HEAD))
-    for name in ("masters", "members", "density"):
+    for name in ("masters", "members", "density", "field"):
         for key, value in vars(getattr(first, name)).items():
             np.testing.assert_array_equal(value, getattr(getattr(again, name), key), key)
     assert client.get_groom(again.report.groom).guide_count == groom.guide_count

@@ -10,7 +10,7 @@ from PIL import Image
 
 import mane
 from mane import grey_png, style_messages
-from mane.hairstyle import DensityField, Hairstyle, Masters, Members, Outcome, StyleReport
+from mane.hairstyle import Hairstyle, Masters, Members, Outcome, StyleReport, Volume
 from mane.painter import Look, Painter, View
 from mane.strand_files import load_strands
 from mane.style import GUIDES
@@ -81,10 +81,10 @@ def make_hairstyle(points=((3, 2), (4,)), wisps=(0, 1)) -> Hairstyle:
         control_point_count=len(members.points),
         seconds_roots=0.5,
     )
-    density = DensityField(
-        np.array([0.0, -1, 2]), 0.01, np.arange(24, dtype=np.float32).reshape(2, 3, 4)
-    )
-    return Hairstyle(masters, members, density, {"length": np.full((2, 2), 0.25)}, report)
+    low = np.array([0.0, -1, 2])
+    density = Volume(low, 0.01, np.arange(24, dtype=np.float32).reshape(2, 3, 4))
+    field = Volume(low, 0.01, np.arange(72, dtype=np.float32).reshape(2, 3, 4, 3))
+    return Hairstyle(masters, members, density, field, {"length": np.full((2, 2), 0.25)}, report)
 
 
 def parts_of(hairstyle: Hairstyle, split: bool) -> list[style_pb2.HairstylePart]:
@@ -119,9 +119,16 @@ def parts_of(hairstyle: Hairstyle, split: bool) -> list[style_pb2.HairstylePart]
         )
     volume = hairstyle.density.values.tobytes()
     for data in (volume[:32], volume[32:]) if split else (volume,):
-        field = part.DensityField(cell_m=0.01, nodes_x=4, nodes_y=3, nodes_z=2, values=data)
+        density = part.DensityField(cell_m=0.01, nodes_x=4, nodes_y=3, nodes_z=2, values=data)
+        density.low.y, density.low.z = -1, 2
+        parts.append(part(density=density))
+    vectors = hairstyle.field.values.tobytes()
+    for data in (vectors[:96], vectors[96:]) if split else (vectors,):
+        field = style_pb2.StylingField.Grid(
+            cell_m=0.01, nodes_x=4, nodes_y=3, nodes_z=2, values=data
+        )
         field.low.y, field.low.z = -1, 2
-        parts.append(part(density=field))
+        parts.append(part(field=field))
     png = grey_png.encode(np.ones((2, 2)))
     parts.append(part(map=part.Map(name="length", white=0.25, png=png)))
     report = style_pb2.StyleReport(
@@ -143,7 +150,7 @@ def download(parts) -> Hairstyle:
 
 
 def assert_same(a: Hairstyle, b: Hairstyle) -> None:
-    for name in ("masters", "members", "density"):
+    for name in ("masters", "members", "density", "field"):
         for key, value in vars(getattr(a, name)).items():
             other = getattr(getattr(b, name), key)
             np.testing.assert_array_equal(value, other, f"{name}.{key}")
@@ -240,7 +247,7 @@ def test_a_picture_shows_three_sides(tmp_path):
         np.tile(np.array([20, 180, 20], np.uint8), (count, 1)),
     )
     whole = make_hairstyle()
-    hairstyle = Hairstyle(whole.masters, members, whole.density, {}, whole.report)
+    hairstyle = Hairstyle(whole.masters, members, whole.density, whole.field, {}, whole.report)
     draw_hairstyle(tmp_path / "x.png", hairstyle, roots, title="green", size=96)
     with Image.open(tmp_path / "x.png") as image:
         assert image.size == (288, 96)

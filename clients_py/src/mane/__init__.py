@@ -46,7 +46,7 @@ from mane.groom import (
     frame_along,
 )
 from mane.hairs import Hairs
-from mane.hairstyle import DensityField, Hairstyle, Masters, Members, Outcome, StyleReport
+from mane.hairstyle import Hairstyle, Masters, Members, Outcome, StyleReport, Volume
 from mane.heads import LockstepHead, RealtimeHead
 from mane.jobs import Job, JobState
 from mane.mesh import Mesh
@@ -65,7 +65,6 @@ __all__ = [
     "CapsuleBody",
     "Client",
     "DeadlineExceeded",
-    "DensityField",
     "Diagnostics",
     "Ellipsoid",
     "EllipsoidBody",
@@ -119,5 +118,6 @@ __all__ = [
     "StyleReport",
     "Unauthenticated",
     "Unavailable",
+    "Volume",
     "frame_along",
 ]

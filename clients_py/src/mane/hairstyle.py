@@ -121,13 +121,13 @@ class Members:
 
 
 @dataclass(frozen=True, eq=False)
-class DensityField:
-    """How much of the volume hair takes.
+class Volume:
+    """Values at the nodes of a box.
 
     Attributes:
       low: the first node, (3,), head frame [m].
       cell_m: distance of neighbouring nodes.
-      values: float32 (z, y, x).
+      values: float32 (z, y, x), of vectors (z, y, x, 3).
     """
 
     low: np.ndarray
@@ -142,7 +142,9 @@ class Hairstyle:
     Attributes:
       masters: `Masters`.
       members: `Members`.
-      density: `DensityField`.
+      density: `Volume`: the part of space that hair, or the head, takes.
+      field: `Volume` of vectors: the styling field, without constraints; over the same box, not as
+        fine.
       maps: `density`, `length` and `protrusion` as they were used, drawn over the scalp as
         `mane.scalp_maps` says: float32 (512, 512).
       report: `StyleReport`.
@@ -150,7 +152,8 @@ class Hairstyle:
 
     masters: Masters
     members: Members
-    density: DensityField
+    density: Volume
+    field: Volume
     maps: dict[str, np.ndarray]
     report: StyleReport
 
@@ -160,7 +163,8 @@ class Hairstyle:
         arrays |= {
             _MEMBER_KEYS.get(name, name): value for name, value in vars(self.members).items()
         }
-        arrays |= {f"density_{name}": value for name, value in vars(self.density).items()}
+        for part in _VOLUMES:
+            arrays |= {f"{part}_{name}": value for name, value in vars(getattr(self, part)).items()}
         arrays |= {f"map_{name}": values for name, values in self.maps.items()}
         with open(path, "wb") as file:
             np.savez(file, report=json.dumps(asdict(self.report)), **arrays)
@@ -177,18 +181,25 @@ class Hairstyle:
             )
             masters = {f.name: arrays[f"masters_{f.name}"] for f in fields(Masters)}
             members = {f.name: arrays[_MEMBER_KEYS.get(f.name, f.name)] for f in fields(Members)}
-            density = {f.name: arrays[f"density_{f.name}"] for f in fields(DensityField)}
+            volumes = [
+                Volume(
+                    low=arrays[f"{part}_low"],
+                    cell_m=float(arrays[f"{part}_cell_m"]),
+                    values=arrays[f"{part}_values"],
+                )
+                for part in _VOLUMES
+            ]
         except (ValueError, TypeError, KeyError, EOFError) as error:
             raise InvalidArgument.of(str(path), f"is not a saved hairstyle: {error!r}") from error
-        density["cell_m"] = float(density["cell_m"])
         maps = {
             name.removeprefix("map_"): values
             for name, values in arrays.items()
             if name.startswith("map_")
         }
-        return cls(Masters(**masters), Members(**members), DensityField(**density), maps, report)
+        return cls(Masters(**masters), Members(**members), *volumes, maps, report)
 
 
+_VOLUMES = ("density", "field")
 _MEMBER_KEYS = {"point_counts": "counts"}  # In files, where `points` and `counts` are strands.
 
 

@@ -11,7 +11,7 @@ from mane import grey_png, messages, strand_messages
 from mane.bodies import Body, ScalpContact
 from mane.errors import Internal
 from mane.groom import Ellipsoid
-from mane.hairstyle import DensityField, Hairstyle, Masters, Members, Outcome, StyleReport
+from mane.hairstyle import Hairstyle, Masters, Members, Outcome, StyleReport, Volume
 from mane.mesh import Mesh
 from mane.strands import ImportOptions
 from mane.style import Style, StylePreset
@@ -73,8 +73,8 @@ class DownloadedHairstyle:
         self._report: style_pb2.StyleReport | None = None
         self._masters = {name: bytearray() for name in _MASTERS}
         self._members = {name: bytearray() for name in _MEMBERS}
-        self._density: style_pb2.HairstylePart.DensityField | None = None
-        self._volume = bytearray()
+        self._density = _DownloadedVolume(1)
+        self._field = _DownloadedVolume(3)
         self._maps: dict[str, np.ndarray] = {}
 
     def add(self, part: style_pb2.HairstylePart) -> None:
@@ -86,31 +86,54 @@ class DownloadedHairstyle:
             case "members":
                 _join(self._members, part.members)
             case "density":
-                if self._density is None:
-                    self._density = part.density
-                self._volume += part.density.values
+                self._density.add(part.density)
+            case "field":
+                self._field.add(part.field)
             case "map":
                 self._maps[part.map.name] = part.map.white * grey_png.decode(part.map.png)
 
     def hairstyle(self) -> Hairstyle:
         """The whole hairstyle. Internal where the download is not complete."""
-        if self._report is None or self._density is None:
+        if self._report is None:
             raise Internal("the server's hairstyle is not complete")
         report = from_report(self._report)
         masters = Masters(**_arrays(self._masters, _MASTERS))
         members = Members(**_arrays(self._members, _MEMBERS))
-        field = self._density
-        shape = (field.nodes_z, field.nodes_y, field.nodes_x)
         told = (report.wisp_count, report.strand_count, report.control_point_count)
         came = (len(masters.lengths), len(members.wisps), len(members.points))
-        if told != came or len(self._volume) != 4 * np.prod(shape, dtype=np.int64):
+        if told != came:
             raise Internal("the server's hairstyle is not complete")
-        density = DensityField(
-            low=np.array(from_vector3(field.low)),
-            cell_m=field.cell_m,
-            values=np.frombuffer(self._volume, "<f4").reshape(shape),
+        volumes = self._density.volume(), self._field.volume()
+        return Hairstyle(masters, members, *volumes, self._maps, report)
+
+
+class _DownloadedVolume:
+    """Collects the pieces of a `Volume` with so many numbers a node."""
+
+    def __init__(self, width: int):
+        self._width = width
+        self._first = None
+        self._values = bytearray()
+
+    def add(self, piece) -> None:
+        if self._first is None:
+            self._first = piece
+        self._values += piece.values
+
+    def volume(self) -> Volume:
+        first = self._first
+        if first is None:
+            raise Internal("the server's hairstyle is not complete")
+        shape = (first.nodes_z, first.nodes_y, first.nodes_x)
+        if len(self._values) != 4 * self._width * np.prod(shape, dtype=np.int64):
+            raise Internal("the server's hairstyle is not complete")
+        return Volume(
+            low=np.array(from_vector3(first.low)),
+            cell_m=first.cell_m,
+            values=np.frombuffer(self._values, "<f4").reshape(
+                shape if self._width == 1 else (*shape, self._width)
+            ),
         )
-        return Hairstyle(masters, members, density, self._maps, report)
 
 
 def from_report(message: style_pb2.StyleReport) -> StyleReport:
