@@ -20,8 +20,7 @@ constexpr size_t kMaxRequestId = 64;
 // The frames of a finished bake, one by one.
 class BakeFrames {
  public:
-  BakeFrames(storage::JobStore& store, std::string name)
-      : chunks_(store, std::move(name), kKind) {}
+  BakeFrames(storage::JobStore& store, std::string name) : chunks_(store, std::move(name), kKind) {}
 
   Result<std::optional<v1::HairFrame>> Next() {
     if (next_frame_ == chunk_.frames_size()) {

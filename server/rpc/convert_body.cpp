@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <memory>
 #include <limits>
+#include <memory>
 #include <utility>
 
 #include "groom/material.h"

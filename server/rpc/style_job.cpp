@@ -195,8 +195,9 @@ StyleJobs::LastHead StyleJobs::Take(const StoredStyle& spec) {
   StoredStyle head;
   *head.mutable_scalp_mesh() = spec.scalp_mesh();
   *head.mutable_bodies() = spec.bodies();
-  if (spec.header().has_ellipsoid())
+  if (spec.header().has_ellipsoid()) {
     *head.mutable_header()->mutable_ellipsoid() = spec.header().ellipsoid();
+  }
   const std::string bytes = head.SerializeAsString();
   std::lock_guard lock(mutex_);
   if (last_.head != bytes) return {bytes, nullptr};

@@ -98,7 +98,7 @@ constexpr Preset kPresets[] = {
  "length": {"value": 0.66},
  "protrusion": {"value": 0.2},
  "member_length": {"normal": {"mean": 0.97, "deviation": 0.02, "low": 0.9, "high": 1}},
- "radii_m": [0.006, 0.006, 0.007, 0.005],
+ "radii_m": [0.006, 0.007, 0.011, 0.008],
  "fuzziness": 0.04,
  "bending_stiffness": 0.3,
  "colour": {"hue": {"normal": {"mean": 0.045, "deviation": 0.008, "low": 0, "high": 0.1}},

@@ -33,9 +33,10 @@ std::vector<Hsv> Colour(const Roots& roots, const Colouring& colouring, uint64_t
       const auto shared = Normals(seed ^ kWispSalt, wisp);
       for (uint32_t i = roots.first_member[wisp]; i < roots.first_member[wisp + 1]; ++i) {
         const auto own = Normals(seed ^ kStrandSalt, static_cast<int>(i));
-        for (int c = 0; c < 3; ++c)  // (W21)
+        for (int c = 0; c < 3; ++c) {  // (W21)
           colours[i][c] =
               static_cast<float>(quantiles[c](NormalCdf(of_wisp * shared[c] + of_strand * own[c])));
+        }
         const float hue = colours[i][0] - std::floor(colours[i][0]);
         colours[i][0] = hue < 1 ? hue : 0;  // Just below a whole turn rounds to 1.
       }

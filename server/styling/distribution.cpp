@@ -52,14 +52,16 @@ double LowerTail(double u) {
 }
 
 Result<void> ValidateDensities(const std::vector<double>& densities, const std::string& field) {
-  if (densities.size() < 2 || densities.size() > kMostDensities)
+  if (densities.size() < 2 || densities.size() > kMostDensities) {
     return InvalidArgument(field, fmt::format("{} has {} densities; it must have 2 to {}", field,
                                               densities.size(), kMostDensities));
+  }
   double largest = 0;
   for (size_t i = 0; i < densities.size(); ++i) {
     const groom::Range range{0, 1e12};
-    if (!range.Contains(densities[i]))
+    if (!range.Contains(densities[i])) {
       return groom::OutOfRange(fmt::format("{}[{}]", field, i), densities[i], range);
+    }
     largest = std::max(largest, densities[i]);
   }
   if (largest > 0) return {};
@@ -141,8 +143,9 @@ Quantile::Quantile(const Distribution& distribution)
   } else if (form_ == Form::kSampled) {
     density_ = distribution.densities;
     cumulative_.assign(density_.size(), 0);
-    for (size_t i = 1; i < density_.size(); ++i)
+    for (size_t i = 1; i < density_.size(); ++i) {
       cumulative_[i] = cumulative_[i - 1] + 0.5 * (density_[i - 1] + density_[i]);
+    }
     const double total = cumulative_.back();
     for (double& density : density_) density /= total;
     for (double& cumulative : cumulative_) cumulative /= total;
@@ -205,9 +208,10 @@ double Quantile::Mean() const {
   }
   if (form_ != Form::kSampled) return 0.5 * (low_ + high_);
   double mean = 0;  // Of the cell's number and the place in it.
-  for (size_t i = 0; i + 1 < density_.size(); ++i)
+  for (size_t i = 0; i + 1 < density_.size(); ++i) {
     mean += 0.5 * static_cast<double>(i) * (density_[i] + density_[i + 1]) +
             (density_[i] + 2 * density_[i + 1]) / 6;
+  }
   return low_ + (high_ - low_) * mean / static_cast<double>(density_.size() - 1);
 }
 

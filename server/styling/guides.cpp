@@ -20,7 +20,7 @@ std::vector<Eigen::Vector3f> OwnPoints(const Masters& masters, int wisp) {
   std::vector<Eigen::Vector3f> points(begin, begin + whole + 1);
   // Less than a hundredth of a segment is no segment.
   if (whole + 1 < count && (part > 0.01F || whole == 0)) {
-    points.push_back(points.back() + part * (begin[whole + 1] - points.back()));
+    points.emplace_back(points.back() + part * (begin[whole + 1] - points.back()));
   }
   return points;
 }
@@ -40,8 +40,9 @@ void PartsOfJoints(const Masters& masters, int wisp, std::vector<float>* parts) 
 
 std::vector<groom::ImportedStrand> ToStrands(const Masters& masters) {
   std::vector<groom::ImportedStrand> strands(masters.wisps());
-  for (int wisp = 0; wisp < masters.wisps(); ++wisp)
+  for (int wisp = 0; wisp < masters.wisps(); ++wisp) {
     strands[wisp].points = OwnPoints(masters, wisp);
+  }
   return strands;
 }
 

@@ -114,9 +114,9 @@ std::vector<Eigen::Vector3d> BraidStrand(const std::vector<Eigen::Vector3d>& axi
     const double u = span > 0 ? std::clamp((t - at[segment - 1]) / span, 0.0, 1.0) : 0.0;
     const double phi =
         2 * std::numbers::pi * (t / period + static_cast<double>(strand) / strand_count);
-    strand_axis.push_back(axis[segment - 1] + u * along +
-                          radius *
-                              (std::sin(phi) * side + std::sin(2 * phi) / 2 * tangent.cross(side)));
+    strand_axis.emplace_back(
+        axis[segment - 1] + u * along +
+        radius * (std::sin(phi) * side + std::sin(2 * phi) / 2 * tangent.cross(side)));
   }
   return strand_axis;
 }

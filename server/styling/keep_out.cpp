@@ -21,12 +21,13 @@ constexpr double kAbove = 1e-7;  // [m]; so far out that rounding does not lead 
 }  // namespace
 
 KeepOut::KeepOut(const Obstacles& obstacles) {
-  for (const Obstacle& obstacle : obstacles)
+  for (const Obstacle& obstacle : obstacles) {
     placed_.push_back(
         {&obstacle.shape,
          obstacle.pose.Inverse(),
          std::holds_alternative<std::shared_ptr<const contact::MeshField>>(obstacle.shape),
          {}});
+  }
 }
 
 void KeepOut::Follow(std::span<const Vector3f> master) {
@@ -40,8 +41,9 @@ void KeepOut::Follow(std::span<const Vector3f> master) {
 
 bool KeepOut::Gather(int k, float reach) {
   near_.clear();
-  for (size_t i = 0; i < placed_.size(); ++i)
+  for (size_t i = 0; i < placed_.size(); ++i) {
     if (placed_[i].margin[k] <= reach) near_.push_back(static_cast<int>(i));
+  }
   return !near_.empty();
 }
 
@@ -72,8 +74,9 @@ contact::Distance KeepOut::At(const Vector3d& point) const {
   for (int near : near_) {
     const Placed& placed = placed_[near];
     const contact::Distance at = contact::At(*placed.shape, placed.to_shape * point);
-    if (at.distance < nearest.distance)
+    if (at.distance < nearest.distance) {
       nearest = {at.distance, placed.to_shape.q.conjugate() * at.normal};
+    }
   }
   return nearest;
 }

@@ -21,8 +21,9 @@ std::vector<size_t> Places(const Roots& roots, const Masters& masters) {
   for (int wisp = 0; wisp < roots.wisps(); ++wisp) {
     const uint32_t joints = masters.first_joint[wisp + 1] - masters.first_joint[wisp];
     MANE_CHECK(joints >= 2);
-    for (uint32_t i = roots.first_member[wisp]; i < roots.first_member[wisp + 1]; ++i)
+    for (uint32_t i = roots.first_member[wisp]; i < roots.first_member[wisp + 1]; ++i) {
       first.push_back(first.back() + joints);
+    }
   }
   return first;
 }

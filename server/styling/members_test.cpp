@@ -97,8 +97,9 @@ void ForEachDisplacement(const Scene& scene, const Members& members,
     for (auto i = static_cast<int>(scene.roots.first_member[wisp]);
          i < static_cast<int>(scene.roots.first_member[wisp + 1]); ++i) {
       const auto strand = members.strand(i);
-      for (int k = 1; k + 1 < static_cast<int>(strand.size()); ++k)
+      for (int k = 1; k + 1 < static_cast<int>(strand.size()); ++k) {
         visit(i, k, strand[k] - scene.masters.points[joint + k]);
+      }
     }
   }
 }
@@ -113,17 +114,19 @@ TEST(MembersTest, LengthsFollowTheirDistribution) {
     const double own = 8.6;
     const double reach = Reach(form, own * kSegment, scene.radii) / kSegment;
     const int segments = static_cast<int>(std::ceil(reach));
-    for (int wisp = 0; wisp < 500; ++wisp)
+    for (int wisp = 0; wisp < 500; ++wisp) {
       AddWisp(scene, Vector3d(0, 0.1 * wisp, 0), Turning(segments, 1), own, 100, 0.005,
               Vector3f(0, 0.001F, 0));
+    }
     const Members members = Grow(scene);
     // The master's own length: eight whole segments of its polyline, and 0.6 of the ninth.
     const auto master = std::span<const Vector3f>(scene.masters.points).first(9);
     const double length =
         LengthOf(master) + 0.6 * (scene.masters.points[9] - scene.masters.points[8]).norm();
     std::vector<double> sample;
-    for (int i = 0; i < members.strands(); ++i)
+    for (int i = 0; i < members.strands(); ++i) {
       sample.push_back(LengthOf(members.strand(i)) / length);
+    }
     ASSERT_EQ(sample.size(), 50000U);
     const Quantile quantile(form);
     EXPECT_LT(KolmogorovSmirnov(sample, [&](double u) { return quantile.Cdf(u); }),
@@ -136,8 +139,9 @@ TEST(MembersTest, AConstantLengthIsMetByEveryStrand) {
   scene.length.mean = 0.73;
   AddWisp(scene, Vector3d::Zero(), Turning(14, 2), 10, 500, 0.01);
   const Members members = Grow(scene);
-  for (int i = 0; i < 500; ++i)
+  for (int i = 0; i < 500; ++i) {
     EXPECT_NEAR(LengthOf(members.strand(i)), 0.073, 1e-7);  // Rounding of ten float32 segments.
+  }
 }
 
 TEST(MembersTest, DisplacementsStayWithinTheRadius) {
@@ -146,8 +150,9 @@ TEST(MembersTest, DisplacementsStayWithinTheRadius) {
     scene.fuzziness = fuzziness;
     scene.radii = {0.004, 0.012, 0, 0.006};
     // Roots reach farther out than the radius there.
-    for (int wisp = 0; wisp < 20; ++wisp)
+    for (int wisp = 0; wisp < 20; ++wisp) {
       AddWisp(scene, Vector3d(0, wisp, 0), Turning(30, 2), 24, 100, 0.02);
+    }
     int visited = 0;
     const Members members = Grow(scene);
     ForEachDisplacement(scene, members, [&](int, int k, const Vector3f& d) {
@@ -192,8 +197,9 @@ TEST(MembersTest, NoiseGrowsWithFuzziness) {
   for (double fuzziness : {0.0, 0.03, 0.1, 0.3, 1.0, 2.0}) {
     Scene scene;
     scene.fuzziness = fuzziness;
-    for (int wisp = 0; wisp < 20; ++wisp)
+    for (int wisp = 0; wisp < 20; ++wisp) {
       AddWisp(scene, Vector3d(0, 0.1 * wisp, 0), Straight(30), 24, 100, 0.008);
+    }
     const Members members = Grow(scene);
     double sum = 0, count = 0;
     std::vector<Vector3f> before(scene.roots.members.size());
@@ -212,9 +218,10 @@ TEST(MembersTest, AWispKeepsItsCrossSectionAroundABend) {
   Scene scene;
   scene.fuzziness = 0;
   AddWisp(scene, Vector3d::Zero(), Turning(16, kPi / 2), 15, 0, 0);
-  for (int i = 0; i < 36; ++i)  // A ring.
+  for (int i = 0; i < 36; ++i) {  // A ring.
     scene.roots.members.emplace_back(0, 0.01F * std::cos(i * kPi / 18),
                                      0.01F * std::sin(i * kPi / 18));
+  }
   scene.roots.first_member = {0, 36};
   const Members members = Grow(scene);
   Eigen::Matrix3f spread = Eigen::Matrix3f::Zero();
@@ -274,8 +281,9 @@ TEST(MembersTest, ReachIsEnoughAroundAHalfTurn) {
   const Members members = Grow(scene);
   for (int i = 0; i < members.strands(); ++i) {
     const auto strand = members.strand(i);
-    for (size_t k = 1; k < strand.size(); ++k)
+    for (size_t k = 1; k < strand.size(); ++k) {
       EXPECT_LT((strand[k] - strand[k - 1]).norm(), 2 * kSegment);
+    }
     // No last span that is far shorter than the one before, either.
     if (strand.size() < 3) continue;
     EXPECT_GT((strand.back() - strand[strand.size() - 2]).norm(), 0.49 * 0.8 * kSegment);
@@ -311,16 +319,18 @@ TEST(MembersTest, NoPointIsInsideAnObstacle) {
     const Members unhindered = Grow(free);
     const auto inside = [&](const Members& strands) {
       int count = 0;
-      for (int i = 0; i < strands.strands(); ++i)
+      for (int i = 0; i < strands.strands(); ++i) {
         for (const Vector3f& p : strands.strand(i).subspan(1))
           count += DistanceTo(scene.obstacles, p.cast<double>()).distance < -1e-6;
+      }
       return count;
     };
     EXPECT_GT(inside(unhindered), 4000);
     // Where a master is itself inside, its strands may be.
     int masters_inside = 0;
-    for (const Vector3f& p : scene.masters.points)
+    for (const Vector3f& p : scene.masters.points) {
       masters_inside += DistanceTo(scene.obstacles, p.cast<double>()).distance < 0;
+    }
     EXPECT_EQ(masters_inside, 0);
     EXPECT_EQ(inside(members), 0);
     ForEachDisplacement(scene, members,

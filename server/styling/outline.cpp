@@ -64,8 +64,9 @@ double FirstHighPeak(std::span<const double> rho, int from) {
   const int end = static_cast<int>(rho.size()) - 1;
   const auto is_peak = [&](int i) { return rho[i] >= rho[i - 1] && rho[i] > rho[i + 1]; };
   double highest = 0;
-  for (int i = from; i < end; ++i)
+  for (int i = from; i < end; ++i) {
     if (is_peak(i)) highest = std::max(highest, rho[i]);
+  }
   if (highest < kLeastPeak) return 0;
   int peak = from;
   while (!is_peak(peak) || rho[peak] < highest - kSamePeak) ++peak;
@@ -78,8 +79,9 @@ class Sampled {
  public:
   explicit Sampled(std::span<const Vector3d> points) : points_(points) {
     integral_.resize(points.size(), Vector3d::Zero());
-    for (size_t i = 1; i < points.size(); ++i)
+    for (size_t i = 1; i < points.size(); ++i) {
       integral_[i] = integral_[i - 1] + 0.5 * (points[i - 1] + points[i]);
+    }
   }
 
   [[nodiscard]] int last() const { return static_cast<int>(points_.size()) - 1; }
@@ -157,8 +159,9 @@ Decomposition Decompose(std::span<const Vector3d> curve, double segment_length,
 
   const Sampled points(fine);
   std::vector<Vector3d> means = fine;
-  if (width > 0)
+  if (width > 0) {
     for (int i = 0; i < samples; ++i) means[i] = points.Mean(i, width_in_samples);
+  }
   const Sampled axis(means);
 
   Decomposition result;

@@ -136,8 +136,9 @@ TEST(OutlineTest, WavesOnABendAreTheDetails) {
 TEST(OutlineTest, RandomTurnsHaveAStructureToo) {
   math::RandomStream random(7, 0);
   std::vector<Vector3d> knots;
-  for (int i = 0; i < 80; ++i)
+  for (int i = 0; i < 80; ++i) {
     knots.emplace_back(0.005 * i, 0.002 * random.Normal(), 0.002 * random.Normal());
+  }
   const auto curve = Spline<double>(knots).Polyline(16);
   const Decomposition parts = Decompose(curve, 0.002);
   EXPECT_GT(parts.structure, 0.004);

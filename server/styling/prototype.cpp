@@ -105,9 +105,10 @@ class Shape {
 };
 
 Result<void> CheckPoints(const std::vector<Vector3d>& points, const std::string& field) {
-  if (points.size() < kLeastPoints || points.size() > kMostPoints)
+  if (points.size() < kLeastPoints || points.size() > kMostPoints) {
     return InvalidArgument(field, fmt::format("{} has {} points; a prototype has {} to {}", field,
                                               points.size(), kLeastPoints, kMostPoints));
+  }
   for (size_t i = 0; i < points.size(); ++i) {
     const auto point =
         groom::CheckVector(fmt::format("{}[{}]", field, i), points[i], groom::kCoordinateRange);
@@ -118,10 +119,12 @@ Result<void> CheckPoints(const std::vector<Vector3d>& points, const std::string&
 
 Result<void> CheckSize(const Prototype& prototype, const std::string& field) {
   const groom::Range range{0, 1, "m"};
-  if (!range.Contains(prototype.amplitude_m))
+  if (!range.Contains(prototype.amplitude_m)) {
     return groom::OutOfRange(field + ".amplitude_m", prototype.amplitude_m, range);
-  if (!range.Contains(prototype.period_m))
+  }
+  if (!range.Contains(prototype.period_m)) {
     return groom::OutOfRange(field + ".period_m", prototype.period_m, range);
+  }
   return {};
 }
 
@@ -137,8 +140,9 @@ Error TooCoarse(const std::string& field, double period, double segment_length) 
 Pattern PatternOf(const Decomposition& decomposition, double segment_length) {
   Pattern pattern;
   pattern.structure = static_cast<int>(std::lround(decomposition.structure / segment_length));
-  for (const Vector3d& delta : decomposition.details)
+  for (const Vector3d& delta : decomposition.details) {
     pattern.details.emplace_back(delta.cast<float>());
+  }
   return pattern;
 }
 
@@ -149,16 +153,18 @@ Result<Pattern> ShippedDetails(const Prototype& prototype, double segment_length
   StrandSize size = SizeOf(prototype.kind);
   if (prototype.amplitude_m > 0) size.amplitude = prototype.amplitude_m;
   if (prototype.period_m > 0) size.period = prototype.period_m;
-  if (size.period < kLeastControlPoints * segment_length * (1 - 1e-9))
+  if (size.period < kLeastControlPoints * segment_length * (1 - 1e-9)) {
     return TooCoarse(field + ".period_m", size.period, segment_length);
+  }
   const auto room = static_cast<int>((kMostDetails - 1) * segment_length / size.period);
-  if (room < kLeastPeriods)
+  if (room < kLeastPeriods) {
     return InvalidArgument(
         field + ".period_m",
         fmt::format("{}.period_m is {:.3g} m, more than {} segments of {:.3g} m; use a shorter "
                     "period, or a segment_length of at least {:.3g} m",
                     field, size.period, (kMostDetails - 1) / kLeastPeriods, segment_length,
                     size.period * kLeastPeriods / (kMostDetails - 1)));
+  }
   const int periods = std::min(kMostPeriods, room);
   const auto points = ShippedStrand(prototype.kind, size, periods);
   return PatternOf(Decompose(points, segment_length, Length(points) / periods), segment_length);
@@ -204,10 +210,11 @@ Result<Pattern> PrototypeDetails(const Prototype& prototype, double segment_leng
   const std::string points = field + ".points";
   if (auto valid = CheckPoints(prototype.points, points); !valid) return valid.error();
   const double length = Length(prototype.points);
-  if (!(length >= segment_length))
+  if (!(length >= segment_length)) {
     return InvalidArgument(points, fmt::format("{} are {:.3g} m long, less than one segment of "
                                                "{:.3g} m",
                                                points, length, segment_length));
+  }
   const Error too_long = InvalidArgument(
       points,
       fmt::format("{} make more than {} segments of {:.3g} m along the outline; shorten the "
@@ -217,8 +224,9 @@ Result<Pattern> PrototypeDetails(const Prototype& prototype, double segment_leng
   const Decomposition decomposition = Decompose(prototype.points, segment_length);
   if (decomposition.points() > kMostDetails) return too_long;
   const double period = decomposition.structure;
-  if (period > 0 && period < kLeastControlPoints * segment_length)
+  if (period > 0 && period < kLeastControlPoints * segment_length) {
     return TooCoarse(points, period, segment_length);
+  }
   return PatternOf(decomposition, segment_length);
 }
 

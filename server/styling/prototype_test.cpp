@@ -61,8 +61,9 @@ TEST(PrototypeTest, ShippedOnesScaleWithTheirSize) {
     const Pattern one = DetailsOf({kind, 0.002, 0.02, {}}, 0.002);
     const Pattern two = DetailsOf({kind, 0.004, 0.04, {}}, 0.004);
     ASSERT_EQ(one.details.size(), two.details.size());
-    for (size_t i = 0; i < one.details.size(); ++i)
+    for (size_t i = 0; i < one.details.size(); ++i) {
       EXPECT_LT((two.details[i] - 2 * one.details[i]).norm(), 1e-7);
+    }
   }
 }
 
@@ -71,8 +72,9 @@ TEST(PrototypeTest, NoTwoTurnsAreAlike) {
     const StrandSize size = SizeOf(kind);
     const Pattern pattern = DetailsOf({kind, 0, 0, {}}, size.period / 8);
     double difference = 0;
-    for (size_t i = 16; i + 16 < pattern.details.size(); ++i)
+    for (size_t i = 16; i + 16 < pattern.details.size(); ++i) {
       difference += (pattern.details[i + 8] - pattern.details[i]).squaredNorm();
+    }
     EXPECT_GT(std::sqrt(difference / static_cast<double>(pattern.details.size())),
               0.1 * size.amplitude);
   }
@@ -89,9 +91,10 @@ TEST(PrototypeTest, ADrawnWaveGivesItsDetails) {
   EXPECT_EQ(pattern.structure, 10);
   EXPECT_NEAR(Rms(pattern), 0.003 / std::numbers::sqrt2, 1e-4);
   ASSERT_GE(pattern.details.size(), 50U);
-  for (int i = 0; i < 50; ++i)  // 0.1 of the amplitude over 5 turns, twice: outline_test.cpp.
+  for (int i = 0; i < 50; ++i) {  // 0.1 of the amplitude over 5 turns, twice: outline_test.cpp.
     EXPECT_NEAR(std::abs(pattern.details[i].norm()),
                 std::abs(0.003 * std::sin(0.2 * std::numbers::pi * i)), 1.5e-4);
+  }
 }
 
 TEST(PrototypeTest, FaultsAreNamed) {
@@ -124,8 +127,9 @@ TEST(PrototypeTest, ACoarseSpacingSaysWhatToDo) {
   EXPECT_NE(pattern.error().message.find("segment_length of at most 0.0015 m"), std::string::npos)
       << pattern.error().message;
   Prototype drawn;
-  for (int i = 0; i <= 500; ++i)
+  for (int i = 0; i <= 500; ++i) {
     drawn.points.emplace_back(0.0002 * i, 0.001 * std::sin(0.1 * i), 0.001 * std::cos(0.1 * i));
+  }
   EXPECT_EQ(FaultOf(drawn, 0.01), "p.points");
   EXPECT_EQ(FaultOf(drawn, 0.002), "");
 }

@@ -226,8 +226,9 @@ Vector3d Solver::DetailsAt(uint32_t joint, const Quaterniond& frame, bool root) 
   const Vector3f& c = masters_.outline[joint];
   if (!density_.Look(c + details.cast<float>()).near_solid || details.isZero()) return details;
   double clearance = clearance_;
-  if (root)
+  if (root) {
     clearance = std::min(clearance, DistanceTo(input_.obstacles, c.cast<double>()).distance);
+  }
   return ShortenedDetails(input_.obstacles, c.cast<double>(), details, clearance);
 }
 

@@ -51,9 +51,10 @@ template <typename Scalar>
 std::vector<Vector3d> Spline<Scalar>::Polyline(int per_span) const {
   std::vector<Vector3d> points;
   points.reserve(static_cast<size_t>(spans()) * per_span + 1);
-  for (int i = 0; i < spans(); ++i)
+  for (int i = 0; i < spans(); ++i) {
     for (int j = 0; j < per_span; ++j)
       points.push_back(At(Place{i, static_cast<double>(j) / per_span}));
+  }
   points.push_back(P(spans()));
   return points;
 }
@@ -76,8 +77,9 @@ std::vector<Vector3d> Resample(std::span<const Vector3d> polyline, int k) {
   for (size_t i = 0; i + 1 < polyline.size(); ++i) {
     const Vector3d along = polyline[i + 1] - polyline[i];
     const double length = along.norm();
-    for (; next < k - 1 && next * step <= begin + length && length > 0; ++next)
+    for (; next < k - 1 && next * step <= begin + length && length > 0; ++next) {
       points[next] = polyline[i] + (next * step - begin) / length * along;
+    }
     begin += length;
   }
   points.back() = polyline.back();

@@ -28,9 +28,10 @@ TEST(SplineTest, GoesThroughItsPoints) {
   for (int n : {1, 2, 3, 10}) {
     const auto points = RandomPoints(n, 1);
     const Spline<double> spline(points);
-    for (int i = 0; i < n; ++i)
+    for (int i = 0; i < n; ++i) {
       EXPECT_LT((spline.At(n == 1 ? 0 : static_cast<double>(i) / (n - 1)) - points[i]).norm(),
                 1e-14);
+    }
   }
 }
 
@@ -38,8 +39,9 @@ TEST(SplineTest, FloatPointsMakeTheSameCurve) {
   const auto points = RandomPoints(9, 2);
   std::vector<Eigen::Vector3f> rounded;
   for (const Vector3d& p : points) rounded.emplace_back(p.cast<float>());
-  for (double s = 0; s <= 1; s += 0.01)
+  for (double s = 0; s <= 1; s += 0.01) {
     EXPECT_LT((Spline<double>(points).At(s) - Spline<float>(rounded).At(s)).norm(), 1e-6);
+  }
 }
 
 TEST(SplineTest, IsOnceContinuouslyDifferentiable) {
@@ -63,17 +65,19 @@ TEST(SplineTest, CommutesWithAffineMaps) {
   const Vector3d b(1, -2, 3);
   std::vector<Vector3d> mapped;
   for (const Vector3d& p : points) mapped.emplace_back(A * p + b);
-  for (double s = 0; s <= 1; s += 0.0123)
+  for (double s = 0; s <= 1; s += 0.0123) {
     EXPECT_LT((Spline<double>(mapped).At(s) - (A * Spline<double>(points).At(s) + b)).norm(),
               1e-13);
+  }
 }
 
 TEST(SplineTest, ReproducesAParabola) {
   const auto parabola = [](double x) { return Vector3d(x, x * x - 2 * x, 3 * x * x); };
   std::vector<Vector3d> points;
   for (int i = 0; i < 6; ++i) points.push_back(parabola(i));
-  for (double s = 0; s <= 1; s += 0.0123)
+  for (double s = 0; s <= 1; s += 0.0123) {
     EXPECT_LT((Spline<double>(points).At(s) - parabola(5 * s)).norm(), 1e-13);
+  }
 }
 
 TEST(ResampleTest, PointsLieAtEqualArcLengthOnTheCurve) {
@@ -86,8 +90,9 @@ TEST(ResampleTest, PointsLieAtEqualArcLengthOnTheCurve) {
   const auto points = Resample(circle, 12);
   EXPECT_EQ(points.front(), circle.front());
   EXPECT_EQ(points.back(), circle.back());
-  for (int i = 0; i + 1 < 12; ++i)
+  for (int i = 0; i + 1 < 12; ++i) {
     EXPECT_NEAR((points[i + 1] - points[i]).norm(), 2 * std::sin(5.0 / 22), 1e-5);
+  }
   const auto spline_points = RandomPoints(5, 5);
   const auto dense = Spline<double>(spline_points).Polyline(100);
   EXPECT_EQ(dense.size(), 401U);

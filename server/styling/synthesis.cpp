@@ -32,11 +32,13 @@ Result<PrototypeModel> PrototypeModel::Make(const Pattern& pattern, const Synthe
 
   const groom::Range windows{
       0, static_cast<double>(smooth ? kMostWindow : std::clamp(m / 2, 1, kMostWindow))};
-  if (!windows.Contains(synthesis.window))
+  if (!windows.Contains(synthesis.window)) {
     return groom::OutOfRange(field + ".window", synthesis.window, windows);
+  }
   const groom::Range temperatures{0, 1000};
-  if (!temperatures.Contains(synthesis.temperature))
+  if (!temperatures.Contains(synthesis.temperature)) {
     return groom::OutOfRange(field + ".temperature", synthesis.temperature, temperatures);
+  }
 
   // Whole windows must be left at every place of a period, or the pattern could not go on (W11).
   const int P = pattern.structure;
@@ -46,10 +48,11 @@ Result<PrototypeModel> PrototypeModel::Make(const Pattern& pattern, const Synthe
   model.temperature_ = synthesis.temperature * model.rms_;
   if (smooth) return model;
   model.distance2_.resize(static_cast<size_t>(m) * m + kLanes);  // Next reads a little beyond.
-  for (int j = 0; j < m; ++j)
+  for (int j = 0; j < m; ++j) {
     for (int k = 0; k < m; ++k)
       model.distance2_[static_cast<size_t>(j) * m + k] =
           (model.details_[j] - model.details_[k]).squaredNorm();
+  }
   return model;
 }
 

@@ -69,8 +69,9 @@ double Diversity(const Pattern& pattern, double temperature) {
 TEST(SynthesisTest, RepeatsTheWholePrototypeAtTemperatureZero) {
   const Pattern pattern = Curly();
   const auto details = Strand(Model(pattern, 0), 0, static_cast<int>(pattern.details.size()));
-  for (size_t i = pattern.structure; i < details.size(); ++i)
+  for (size_t i = pattern.structure; i < details.size(); ++i) {
     EXPECT_EQ(details[i], pattern.details[i]);
+  }
 }
 
 TEST(SynthesisTest, APeriodicPrototypeGoesOnForManyPeriods) {
@@ -100,8 +101,9 @@ TEST(SynthesisTest, StrandsStartInTheirRoots) {
 }
 
 TEST(SynthesisTest, StraightHairStaysStraight) {
-  for (const Vector3f& delta : Strand(Model({{Vector3f::Zero()}, 0}, 1), 0, 20))
+  for (const Vector3f& delta : Strand(Model({{Vector3f::Zero()}, 0}, 1), 0, 20)) {
     EXPECT_EQ(delta, Vector3f::Zero());
+  }
 }
 
 TEST(SynthesisTest, ColdStrandsComeToTheDeterministicOne) {
@@ -130,24 +132,27 @@ TEST(SynthesisTest, CandidatesHaveTheProbabilitiesOfGibbs) {
   const PrototypeModel model = Model(pattern, T, 1);
   std::array<double, 5> expected{}, drawn{};
   double Z = 0;
-  for (int k = 1; k < 5; ++k)
+  for (int k = 1; k < 5; ++k) {
     Z += expected[k] = std::exp(-std::abs(1 - pattern.details[k - 1].x()) / (T * model.rms()));
+  }
   constexpr int kDraws = 100000;
   for (int s = 0; s < kDraws; ++s) {
     const float x = Strand(model, s, 2)[1].x();
     for (int k = 1; k < 5; ++k) drawn[k] += x == pattern.details[k].x() ? 1.0 / kDraws : 0;
   }
-  for (int k = 1; k < 5; ++k)  // Four standard deviations of a proportion.
+  for (int k = 1; k < 5; ++k) {  // Four standard deviations of a proportion.
     EXPECT_NEAR(drawn[k], expected[k] / Z, 4 * 0.5 / std::sqrt(kDraws));
+  }
 }
 
 TEST(SynthesisTest, WindowsCompareTheirWholePast) {
   // Brute force at T = 0: every detail follows the window that is nearest to the strand's last h.
   math::RandomStream random(2, 0);
   Pattern pattern;
-  for (int i = 0; i < 40; ++i)
+  for (int i = 0; i < 40; ++i) {
     pattern.details.emplace_back(
         Eigen::Vector3d(random.Normal(), random.Normal(), 0).cast<float>());
+  }
   const int h = 3, m = 40;
   const auto details = Strand(Model(pattern, 0, h), 0, 120);
   for (int i = h; i < 120; ++i) {

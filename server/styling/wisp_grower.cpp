@@ -30,9 +30,10 @@ Vector3f Noise(const Vector3f& o, float radius, float most, uint64_t bits) {
 // Polyline length of the first `joints` segments, a fraction of one allowed.
 double LengthUpTo(std::span<const Vector3f> points, double joints) {
   double length = 0;
-  for (size_t k = 1; k < points.size() && static_cast<double>(k - 1) < joints; ++k)
+  for (size_t k = 1; k < points.size() && static_cast<double>(k - 1) < joints; ++k) {
     length += std::min(1.0, joints - static_cast<double>(k - 1)) *
               static_cast<double>((points[k] - points[k - 1]).norm());
+  }
   return length;
 }
 
@@ -66,8 +67,9 @@ void WispGrower::Grow(int wisp, uint32_t first, std::span<const Vector3f> roots,
   keep_out_.Follow(points_);
 
   Start(first, roots);
-  for (const Strand& strand : strands_)
+  for (const Strand& strand : strands_) {
     points[static_cast<size_t>(strand.number) * n] = strand.point;
+  }
   for (int k = 1; k < joints() && !strands_.empty(); ++k) {
     Propose(k);
     if (keep_out_.Gather(k, Radius(k))) StayOutside(k);
@@ -101,8 +103,9 @@ void WispGrower::Propose(int k) {
   for (Strand& strand : strands_) {
     // (W14); where a radius of 0 has gathered all strands in the master there is nothing to scale.
     strand.d *= strand.radius > 0 ? radius / strand.radius : 0;
-    if (fuzziness_ > 0)
+    if (fuzziness_ > 0) {
       strand.d += Noise(strand.d, radius, fuzziness_ * radius, strand.random.Bits());
+    }
     strand.radius = radius;
     strand.point = points_[k] + frame * strand.d;
   }
@@ -151,8 +154,9 @@ uint32_t WispGrower::Finish(int k, const Strand& strand, std::span<Vector3f> own
     tip = own[joint] + along(tip - own[joint], length);
   }
   // Nothing to do where all is outside that lies so near to the master.
-  if (keep_out_.Gather(joint, (own[joint] - points_[joint]).norm() + length))
+  if (keep_out_.Gather(joint, (own[joint] - points_[joint]).norm() + length)) {
     tip = keep_out_.TurnOut(own[joint], tip);
+  }
   own[joint + 1] = tip;
   return static_cast<uint32_t>(joint) + 2;
 }

@@ -1,6 +1,6 @@
 """Times hairstyles on this machine: roots, master strands, their deformation, members and colours.
 
-Wavy hair of 28 cm on an ellipsoidal head with shoulders, 2,000 wisps, 28 control points a strand.
+Wavy hair of 28 cm on a head of 5,000 triangles with shoulders, 2,000 wisps, 28 control points a strand.
 strands_20k_s and strands_100k_s are whole styles from nothing on all cores (goals: 1 and 4 on two);
 restyle_after_one_change_s applies a style of 20,000 strands again after one number changed, by what
 changed. bytes_per_control_point is the peak of memory over the members' control points (goal: 40).
