@@ -15,21 +15,26 @@ constexpr int kGuidesAPiece = WispScratch::kGuidesAPiece;
 constexpr float kLongestSweep = 0.25f;  // Of a point among the others [m].
 constexpr float kSpare = 0.4f;  // What a point may move until the next search, by the radius,
 constexpr float kAhead = 3;     // and steps more for which that lasts, up to it; if not twice it.
-// Heads of more than WispLinks::kFew points are not searched in full:
-constexpr double kMostTests = 20;  // so many boxes a point are compared in a step,
-constexpr double kWorst = 500;     // or if all is new, with sweeps halved until it is so many;
-constexpr double kMostNear = 2;    // and so many neighbours a point are found, the nearest.
-constexpr float kLeastSpare =
-    0.25f;                         // But what a point may move is no less than that, by the radius.
+// What heads of more than a few thousand points may cost (Budget), by the point:
+constexpr double kMostTests = 12;    // boxes that are compared in a step, lest links take turns,
+constexpr double kMoreTests = 14e3;  // and as if they had so many points more;
+constexpr double kWorst = 500;       // boxes if all is new, with sweeps halved until it is so many;
+constexpr double kMostNear = 2;      // and neighbours that are found, the nearest.
+constexpr float kStraight = 0.2f;  // Links count as lines that bulge less, by what they may reach.
+// What a point may move until the next search is no less than the step's sweep and that, by the
+// radius; so what was left out may be met late.
+constexpr float kLeastSpare = 0.25f;
 constexpr float kWider = 1.4f;     // By which the next search is wider if it found few,
 constexpr float kNarrower = 0.7f;  // and narrower if it found twice too many.
 
 // Why a link's neighbours are searched: it left where it was, or is another.
 constexpr uint8_t kMoved = 1, kChanged = 2;
 
-constexpr auto Before = [](const Pair& a, const Pair& b) {
-  return a.first != b.first ? a.first < b.first : a.second < b.second;
-};
+uint64_t Key(const Pair& pair) {
+  return uint64_t{static_cast<uint32_t>(pair.first)} << 32 | static_cast<uint32_t>(pair.second);
+}
+
+constexpr auto Before = [](const Pair& a, const Pair& b) { return Key(a) < Key(b); };
 
 template <typename Visit>
 void ForGuides(int guides, exec::WorkerPool& pool, const Visit& visit) {
@@ -70,7 +75,7 @@ void Start(const WispPoints& points, WispNeighbours& neighbours) {
 }
 
 // Notes where a link is while its neighbours are searched.
-void Surround(const WispPoints& points, size_t l, const WispScratch& scratch,
+void Surround(const WispPoints& points, size_t l, WispScratch& scratch,
               WispNeighbours& neighbours) {
   const WispLink& link = scratch.links[l];
   const auto begin = static_cast<size_t>(link.point), end = begin + static_cast<size_t>(link.count);
@@ -88,6 +93,7 @@ void Surround(const WispPoints& points, size_t l, const WispScratch& scratch,
   around.bulge = link.bulge;
   around.half = link.half;
   around.reach = link.reach;
+  scratch.spare[l] = sweep + kLeastSpare * radius;
   around.spare = std::min(
       sweep + kSpare * radius + (ahead < 2 * radius ? std::min(ahead, radius) : 0), around.widest);
 }
@@ -124,6 +130,7 @@ bool MayMeet(const WispNeighbours& neighbours, size_t l, size_t other, float* ap
   const float reach = a.reach + a.spare + b.reach + b.spare;
   *apart = Apart({x[0], x[a.count]}, {y[0], y[b.count]}) - a.bulge - b.bulge;
   if (*apart > reach) return false;
+  if (a.bulge + b.bulge < kStraight * reach) return true;
   const float near = 2 * (reach + a.half + b.half);  // Of sums of two ends.
   for (int32_t i = 0; i < a.count; ++i) {
     const Eigen::Vector3f mine = x[i] + x[i + 1];
@@ -151,7 +158,9 @@ bool MarkMoved(const WispPoints& points, WispScratch& scratch, WispNeighbours& n
     count += scratch.moved[l] == kMoved;
     changes += scratch.moved[l] == kChanged;
   }
-  auto most = static_cast<size_t>(Budget(kMostTests, points) / std::max(neighbours.tests, 1.0)) + 1;
+  auto most = static_cast<size_t>(Budget(kMostTests, points, kMoreTests) /
+                                  std::max(neighbours.tests, 1.0)) +
+              1;
   if (count <= most) return count + changes > 0;
   const size_t first = neighbours.next;
   for (size_t k = 0; k < links; ++k) {
@@ -193,8 +202,7 @@ void FindNear(size_t a, size_t most, const WispNeighbours& neighbours, WispScrat
     }
     near.erase(cut, near.end());
   }
-  const float least = kLeastSpare / (1 + kMargin) * around.reach;
-  scratch.spare[a] = std::max(spare, std::min(around.spare, least));
+  scratch.spare[a] = std::max(spare, std::min(around.spare, scratch.spare[a]));
   scratch.widest[a] = widest;
   for (const auto& [apart, other] : near) {
     const auto link = static_cast<int32_t>(a);
@@ -230,9 +238,7 @@ void FindPairs(const WispPoints& points, exec::WorkerPool& pool, const WispNeigh
   }
   // What both have found is listed twice.
   std::sort(scratch.found.begin(), scratch.found.end(), Before);
-  const auto same = [](const Pair& a, const Pair& b) {
-    return a.first == b.first && a.second == b.second;
-  };
+  const auto same = [](const Pair& a, const Pair& b) { return Key(a) == Key(b); };
   scratch.found.erase(std::unique(scratch.found.begin(), scratch.found.end(), same),
                       scratch.found.end());
 }

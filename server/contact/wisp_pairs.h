@@ -126,9 +126,10 @@ struct WispScratch {
   std::vector<Eigen::Vector3f> last_place;  ///< WispNeighbours::place, of the last step,
   std::vector<Eigen::Vector3f> sweep;       ///< and what points will move in the frame [m].
   std::vector<WispLink> links;
-  std::vector<SegmentBox> boxes;     ///< Of links.
-  std::vector<uint8_t> moved;        ///< Whether a link's neighbours are searched anew.
-  std::vector<float> spare, widest;  ///< WispNeighbours::Around's, as a search leaves them [m].
+  std::vector<SegmentBox> boxes;  ///< Of links.
+  std::vector<uint8_t> moved;     ///< Whether a link's neighbours are searched anew.
+  /// WispNeighbours::Around's, as a search leaves them; the first at least what it is before [m].
+  std::vector<float> spare, widest;
   SegmentGrid grid;
   std::vector<WispNeighbours::Pair> found;       ///< By the search,
   std::vector<WispNeighbours::Pair> neighbours;  ///< and all before it.
