@@ -14,8 +14,8 @@ namespace mane::contact {
 inline constexpr int kLongestLink = 8;  ///< [segments]
 
 /// What a head's wisps may cost in a step: so much a point, and as much as for some thousands of
-/// points more, so that small heads are searched in full (contact.md, H3).
-[[nodiscard]] inline double Budget(double a_point, const WispPoints& points, double more = 8000) {
+/// points `more`, so that small heads are searched in full (contact.md, H3).
+[[nodiscard]] inline double Budget(double a_point, double more, const WispPoints& points) {
   return a_point * (more + points.size());
 }
 

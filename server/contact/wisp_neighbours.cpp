@@ -16,10 +16,10 @@ constexpr float kLongestSweep = 0.25f;  // Of a point among the others [m].
 constexpr float kSpare = 0.4f;  // What a point may move until the next search, by the radius,
 constexpr float kAhead = 3;     // and steps more for which that lasts, up to it; if not twice it.
 // What heads of more than a few thousand points may cost (Budget), by the point:
-constexpr double kMostTests = 12;    // boxes that are compared in a step, lest links take turns,
-constexpr double kMoreTests = 14e3;  // and as if they had so many points more;
-constexpr double kWorst = 500;       // boxes if all is new, with sweeps halved until it is so many;
-constexpr double kMostNear = 2;      // and neighbours that are found, the nearest.
+constexpr double kMore = 14e3;     // besides so many points,
+constexpr double kMostTests = 12;  // boxes that are compared in a step, lest links take turns;
+constexpr double kWorst = 500;     // boxes if all is new, with sweeps halved until it is so many;
+constexpr double kMostNear = 2;    // and neighbours that are found, the nearest.
 constexpr float kStraight = 0.2f;  // Links count as lines that bulge less, by what they may reach.
 // What a point may move until the next search is no less than the step's sweep and that, by the
 // radius; so what was left out may be met late.
@@ -158,9 +158,8 @@ bool MarkMoved(const WispPoints& points, WispScratch& scratch, WispNeighbours& n
     count += scratch.moved[l] == kMoved;
     changes += scratch.moved[l] == kChanged;
   }
-  auto most = static_cast<size_t>(Budget(kMostTests, points, kMoreTests) /
-                                  std::max(neighbours.tests, 1.0)) +
-              1;
+  auto most =
+      static_cast<size_t>(Budget(kMostTests, kMore, points) / std::max(neighbours.tests, 1.0)) + 1;
   if (count <= most) return count + changes > 0;
   const size_t first = neighbours.next;
   for (size_t k = 0; k < links; ++k) {
@@ -216,7 +215,7 @@ void FindPairs(const WispPoints& points, exec::WorkerPool& pool, const WispNeigh
                WispScratch& scratch) {
   const int guides = points.guides();
   const auto links = static_cast<double>(neighbours.around.size());
-  const auto most = static_cast<size_t>(Budget(kMostNear, points) / links) + 1;
+  const auto most = static_cast<size_t>(Budget(kMostNear, kMore, points) / links) + 1;
   pool.ParallelFor(guides, kGuidesAPiece, [&](int begin, int end) {
     auto& piece = scratch.pieces[static_cast<size_t>(begin / kGuidesAPiece)];
     piece.neighbours.clear();
@@ -298,7 +297,7 @@ void Search(const WispPoints& points, WispScratch& scratch, exec::WorkerPool& po
     scratch.grid.Build(scratch.boxes);
     neighbours.tests = scratch.grid.tests();
     const double tests = neighbours.tests * static_cast<double>(neighbours.around.size());
-    if (!all || tests <= Budget(kWorst, points)) break;
+    if (!all || tests <= Budget(kWorst, kMore, points)) break;
     neighbours.longest_sweep *= 0.5f;
   }
   FindPairs(points, pool, neighbours, scratch);

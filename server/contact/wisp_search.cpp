@@ -22,6 +22,7 @@ constexpr float kFollowed = 0.5f;  // and up to which those that meet are follow
 // Contacts a point that are kept: of a link's, the nearest. What touched in the last step counts as
 // nearer by a part of its reach, lest two take turns.
 constexpr double kMostContacts = 0.8;
+constexpr double kMore = 8e3;  // Points besides (Budget).
 constexpr float kKept = 0.1f;
 
 Segment SegmentAt(const WispNeighbours& neighbours, int32_t point) {
@@ -373,7 +374,7 @@ void FindContacts(const WispPoints& points, const WispStep& step, const WispScra
   auto& contacts = piece.contacts;
   contacts.clear();
   const auto links = static_cast<double>(neighbours.around.size());
-  const auto most = static_cast<size_t>(Budget(kMostContacts, points) / links) + 1;
+  const auto most = static_cast<size_t>(Budget(kMostContacts, kMore, points) / links) + 1;
   for (int32_t g = begin; g < end; ++g) {
     FindCandidates(points, step, scratch, g, neighbours, piece.candidates);
     const size_t of_guide = contacts.size();
