@@ -74,7 +74,7 @@ void SegmentGrid::Build(std::span<const SegmentBox> boxes) {
     if (boxes[b].guide < 0) continue;
     const int size = std::clamp(std::ilogb(Size(boxes[b]) / first) + 1, 0, kSizes - 1);
     level_of_[b] = static_cast<int8_t>(size * kShapes + Shape(boxes[b]));
-    Level& level = levels_[static_cast<size_t>(level_of_[b])];
+    Level& level = levels_[static_cast<uint8_t>(level_of_[b])];
     ++level.count;
     level.largest = level.largest.max(boxes[b].high - boxes[b].low);
   }
@@ -85,7 +85,7 @@ void SegmentGrid::Build(std::span<const SegmentBox> boxes) {
   for (Level& level : levels_) level.Start(boxes.size());
   for (size_t b = 0; b < boxes.size(); ++b) {
     if (level_of_[b] < 0) continue;
-    Level& level = levels_[static_cast<size_t>(level_of_[b])];
+    Level& level = levels_[static_cast<uint8_t>(level_of_[b])];
     ++level.start[level.CellOf(boxes[b])];
   }
   int32_t end = 0;
@@ -95,7 +95,7 @@ void SegmentGrid::Build(std::span<const SegmentBox> boxes) {
   }
   for (size_t b = boxes.size(); b-- > 0;) {
     if (level_of_[b] < 0) continue;
-    Level& level = levels_[static_cast<size_t>(level_of_[b])];
+    Level& level = levels_[static_cast<uint8_t>(level_of_[b])];
     const auto k = static_cast<size_t>(--level.start[level.CellOf(boxes[b])]);
     sorted_[k] = boxes[b];
     index_[k] = static_cast<int32_t>(b);
