@@ -6,46 +6,53 @@ namespace mane::contact {
 namespace {
 
 constexpr float kCell = 0.6f;       // Side of a cell, by the largest box in its grid.
-constexpr float kFirst = 1.25f;     // Largest box of the first grid, by the mean one.
+constexpr float kFirst = 1.25f;     // Largest box of the first grids, by the mean one.
 constexpr float kSmallest = 1e-3f;  // Box that is told from smaller ones [m].
+constexpr float kLong = 1.5f;       // A box is long along an axis that is so many others.
+constexpr size_t kSamples = 500;    // Queries that tell how many tests they make.
 
 float Size(const SegmentBox& box) { return (box.high - box.low).maxCoeff(); }
 
+// 0 to 2 for the axis along which a box is long; 3 for none.
+int Shape(const SegmentBox& box) {
+  const Eigen::Array3f size = box.high - box.low;
+  Eigen::Index axis;
+  const float longest = size.maxCoeff(&axis);
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    if (k != axis && kLong * size[k] > longest) return 3;
+  }
+  return static_cast<int>(axis);
+}
+
+// Bits of a grid of at least twice as many cells.
+int BitsFor(size_t count) {
+  int bits = 2;
+  while (bits < 8 && (size_t{1} << 3 * bits) < 2 * count) ++bits;
+  return bits;
+}
+
 }  // namespace
 
-void SegmentGrid::Level::Fill(std::span<const SegmentBox> all, std::span<const int8_t> level_of,
-                              int level) {
-  size_t count = 0;
-  largest = kSmallest;
-  for (size_t b = 0; b < all.size(); ++b) {
-    if (level_of[b] != level) continue;
-    ++count;
-    largest = std::max(largest, Size(all[b]));
-  }
-  boxes.resize(count);
-  index.resize(count);
+void SegmentGrid::Level::Start(size_t most) {
+  start.reserve((size_t{1} << 3 * BitsFor(most)) + 1);
   if (count == 0) return;
   inverse_cell = 1 / (kCell * largest);
-  for (bits = 2; bits < 8 && (size_t{1} << 3 * bits) < 2 * count; ++bits) {
-  }
-
-  // Counting sort; `start` holds ends until each box has moved its cell's one down.
-  const auto cell_of = [&](const SegmentBox& box) {
-    const Eigen::Array3i cell = (0.5f * (box.low + box.high) * inverse_cell).floor().cast<int>();
-    return Index(cell[0], cell[1], cell[2]);
-  };
+  bits = BitsFor(static_cast<size_t>(count));
   start.assign((size_t{1} << 3 * bits) + 1, 0);
-  for (size_t b = 0; b < all.size(); ++b) {
-    if (level_of[b] == level) ++start[cell_of(all[b])];
+}
+
+double SegmentGrid::Level::Tests(std::span<const SegmentBox> of) const {
+  if (count == 0) return 0;
+  // As if all cells that have any had equally many.
+  double used = 0, cells = 0, queries = 0;
+  for (size_t c = 0; c + 1 < start.size(); ++c) used += start[c] < start[c + 1];
+  for (size_t b = 0; b < of.size(); b += of.size() / kSamples + 1) {
+    if (of[b].guide < 0) continue;
+    const Cells around = CellsAround(of[b]);
+    cells += (around.high - around.low + 1).cast<double>().prod();
+    ++queries;
   }
-  int32_t sum = 0;
-  for (int32_t& k : start) k = sum += k;
-  for (size_t b = all.size(); b-- > 0;) {
-    if (level_of[b] != level) continue;
-    const auto k = static_cast<size_t>(--start[cell_of(all[b])]);
-    boxes[k] = all[b];
-    index[k] = static_cast<int32_t>(b);
-  }
+  return cells / std::max(queries, 1.0) * (1 + count / used);
 }
 
 void SegmentGrid::Build(std::span<const SegmentBox> boxes) {
@@ -57,30 +64,44 @@ void SegmentGrid::Build(std::span<const SegmentBox> boxes) {
     ++count;
   }
   const float first = std::max(kFirst * static_cast<float>(sum / std::max(count, 1.0)), kSmallest);
+  for (Level& level : levels_) {
+    level.count = 0;
+    level.largest.setConstant(kSmallest);
+  }
   level_of_.resize(boxes.size());
   for (size_t b = 0; b < boxes.size(); ++b) {
-    if (boxes[b].guide < 0) {
-      level_of_[b] = -1;
-      continue;
-    }
-    const int above = std::ilogb(Size(boxes[b]) / first) + 1;
-    level_of_[b] = static_cast<int8_t>(std::clamp<int>(above, 0, kLevels - 1));
+    level_of_[b] = -1;
+    if (boxes[b].guide < 0) continue;
+    const int size = std::clamp(std::ilogb(Size(boxes[b]) / first) + 1, 0, kSizes - 1);
+    level_of_[b] = static_cast<int8_t>(size * kShapes + Shape(boxes[b]));
+    Level& level = levels_[static_cast<uint8_t>(level_of_[b])];
+    ++level.count;
+    level.largest = level.largest.max(boxes[b].high - boxes[b].low);
   }
-  for (size_t k = 0; k < kLevels; ++k) levels_[k].Fill(boxes, level_of_, static_cast<int>(k));
 
-  // Cells to be looked at, and their boxes as if all cells that have any had equally many.
-  tests_ = 0;
-  for (const Level& level : levels_) {
-    if (level.boxes.empty()) continue;
-    double used = 0;
-    for (size_t c = 0; c + 1 < level.start.size(); ++c) used += level.start[c] < level.start[c + 1];
-    const double each = 1 + static_cast<double>(level.boxes.size()) / used;
-    for (size_t b = 0; b < boxes.size(); ++b) {
-      if (level_of_[b] < 0) continue;
-      const Cells cells = level.CellsAround(boxes[b]);
-      tests_ += each * (cells.high - cells.low + 1).cast<double>().prod();
-    }
+  // Counting sort; `start` holds ends until each box has moved its cell's one down.
+  sorted_.resize(boxes.size());
+  index_.resize(boxes.size());
+  for (Level& level : levels_) level.Start(boxes.size());
+  for (size_t b = 0; b < boxes.size(); ++b) {
+    if (level_of_[b] < 0) continue;
+    Level& level = levels_[static_cast<uint8_t>(level_of_[b])];
+    ++level.start[level.CellOf(boxes[b])];
   }
+  int32_t end = 0;
+  for (Level& level : levels_) {
+    if (level.count == 0) continue;
+    for (int32_t& k : level.start) k = end += k;
+  }
+  for (size_t b = boxes.size(); b-- > 0;) {
+    if (level_of_[b] < 0) continue;
+    Level& level = levels_[static_cast<uint8_t>(level_of_[b])];
+    const auto k = static_cast<size_t>(--level.start[level.CellOf(boxes[b])]);
+    sorted_[k] = boxes[b];
+    index_[k] = static_cast<int32_t>(b);
+  }
+  tests_ = 0;
+  for (const Level& level : levels_) tests_ += level.Tests(boxes);
 }
 
 }  // namespace mane::contact

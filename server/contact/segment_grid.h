@@ -25,9 +25,9 @@ struct SegmentBox {
 };
 
 /// Finds boxes of different guides that overlap, by the cells that their middles lie in: uniform
-/// grids, one for boxes of about the mean size and others for those that are twice, four times ...
-/// as large. Space repeats itself after as many cells as a grid has, which costs tests far from the
-/// middle of the hair, and no answer.
+/// grids, each for boxes of about one size and one shape, whose cells have it, too; hair that hangs
+/// has boxes which are long in one direction. Space repeats itself after as many cells as a grid
+/// has, which costs tests far from the middle of the hair, and no answer.
 ///
 /// Build is linear in the boxes and serial; queries are const and thread-safe. Memory is kept: no
 /// allocation once it has seen as many. The same boxes give the same order of answers always.
@@ -36,14 +36,13 @@ class SegmentGrid {
   /// @param boxes  by guide; looked at until the next Build.
   void Build(std::span<const SegmentBox> boxes);
 
-  /// Calls visit(b) once for each box b that overlaps box a and belongs to a later guide, or if
-  /// `all`, to any other.
-  template <bool all = false, typename Visit>
+  /// Calls visit(b) once for each box b that overlaps box a and belongs to another guide.
+  template <typename Visit>
   void ForOverlapping(int a, const Visit& visit) const {
     const SegmentBox& box = boxes_[static_cast<size_t>(a)];
     if (box.guide < 0) return;
     for (const Level& level : levels_) {
-      if (level.boxes.empty()) continue;
+      if (level.count == 0) continue;
       const Cells cells = level.CellsAround(box);
       const int mask = level.mask();
       for (int z = cells.low[2]; z <= cells.high[2]; ++z) {
@@ -51,38 +50,42 @@ class SegmentGrid {
           // A row of cells is a stretch of boxes, or two where it goes round.
           const int low = cells.low[0] & mask, high = cells.high[0] & mask;
           if (low <= high) {
-            VisitRow<all>(level, level.Index(low, y, z), level.Index(high, y, z), box, visit);
+            VisitRow(level, level.Index(low, y, z), level.Index(high, y, z), box, visit);
           } else {
-            VisitRow<all>(level, level.Index(0, y, z), level.Index(high, y, z), box, visit);
-            VisitRow<all>(level, level.Index(low, y, z), level.Index(mask, y, z), box, visit);
+            VisitRow(level, level.Index(0, y, z), level.Index(high, y, z), box, visit);
+            VisitRow(level, level.Index(low, y, z), level.Index(mask, y, z), box, visit);
           }
         }
       }
     }
   }
 
-  /// About as many tests as the queries of all boxes will make.
+  /// About as many tests as a query makes, by some of the boxes.
   [[nodiscard]] double tests() const { return tests_; }
 
  private:
-  static constexpr size_t kLevels = 6;
+  static constexpr int kShapes = 4;  // Long along x, y or z; or along none.
+  static constexpr int kSizes = 3;   // Of about the mean size, twice, four times as large or more.
+  static constexpr int kLevels = kShapes * kSizes;
 
   struct Cells {
     Eigen::Array3i low, high;
   };
   // A grid of 2^(3 bits) cells.
   struct Level {
-    float inverse_cell = 1;
-    float largest = 0;  // Box in it [m].
+    Eigen::Array3f inverse_cell, largest;  // Along each axis; of a box in it [m].
     int bits = 1;
-    std::vector<int32_t> start;     // By cell, and their number.
-    std::vector<SegmentBox> boxes;  // By cell, of a cell in their order,
-    std::vector<int32_t> index;     // and which of all they are.
+    int32_t count = 0;
+    std::vector<int32_t> start;  // Of each cell's boxes among all that are sorted, and their end.
 
     [[nodiscard]] int mask() const { return (1 << bits) - 1; }
 
     [[nodiscard]] size_t Index(int x, int y, int z) const {
       return static_cast<size_t>(((z & mask()) << bits | (y & mask())) << bits | (x & mask()));
+    }
+    [[nodiscard]] size_t CellOf(const SegmentBox& box) const {
+      const Eigen::Array3i cell = (0.5f * (box.low + box.high) * inverse_cell).floor().cast<int>();
+      return Index(cell[0], cell[1], cell[2]);
     }
     // Those with the middles of boxes that may overlap `box`.
     [[nodiscard]] Cells CellsAround(const SegmentBox& box) const {
@@ -90,24 +93,29 @@ class SegmentGrid {
                         ((box.high + 0.5f * largest) * inverse_cell).floor().cast<int>()};
       return {cells.low, cells.high.min(cells.low + mask())};
     }
-    void Fill(std::span<const SegmentBox> all, std::span<const int8_t> level_of, int level);
+    // Chooses the cells, all empty, for `count` boxes up to `largest`; may count `most` ones later
+    // and not allocate.
+    void Start(size_t most);
+    // About as many tests as a query makes.
+    [[nodiscard]] double Tests(std::span<const SegmentBox> of) const;
   };
 
   // Those of the cells [first, last].
-  template <bool all, typename Visit>
-  static void VisitRow(const Level& level, size_t first, size_t last, const SegmentBox& box,
-                       const Visit& visit) {
+  template <typename Visit>
+  void VisitRow(const Level& level, size_t first, size_t last, const SegmentBox& box,
+                const Visit& visit) const {
     const auto end = static_cast<size_t>(level.start[last + 1]);
     for (auto k = static_cast<size_t>(level.start[first]); k < end; ++k) {
-      const SegmentBox& other = level.boxes[k];
-      const bool counts = all ? other.guide != box.guide : other.guide > box.guide;
-      if (counts && box.Overlaps(other)) visit(level.index[k]);
+      const SegmentBox& other = sorted_[k];
+      if (box.Overlaps(other) && other.guide != box.guide) visit(index_[k]);
     }
   }
 
   std::span<const SegmentBox> boxes_;
   std::array<Level, kLevels> levels_;
-  std::vector<int8_t> level_of_;  // By box; -1 for none.
+  std::vector<SegmentBox> sorted_;  // By level and cell, of a cell in their order,
+  std::vector<int32_t> index_;      // and which of all they are.
+  std::vector<int8_t> level_of_;    // By box; -1 for none.
   double tests_ = 0;
 };
 

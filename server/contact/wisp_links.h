@@ -13,6 +13,12 @@ namespace mane::contact {
 
 inline constexpr int kLongestLink = 8;  ///< [segments]
 
+/// What a head's wisps may cost in a step: so much a point, and as much as for some thousands of
+/// points `more`, so that small heads are searched in full (contact.md, H3).
+[[nodiscard]] inline double Budget(double a_point, double more, const WispPoints& points) {
+  return a_point * (more + points.size());
+}
+
 /// The step in which wisps are searched.
 struct WispStep {
   float dt;  ///< [s]
@@ -58,7 +64,8 @@ struct WispNeighbours {
     float reach = 0;     ///< its reach,
     int32_t count = 0;   ///< its segments' number,
     int32_t point = -1;  ///< its first point,
-    float spare = -1;    ///< and what a point may move until a new search [m]; < 0: has none.
+    float spare = -1;    ///< what a point may move until a new search [m]; < 0: has none;
+    float widest = 1;    ///< and what it may be in the next search at most [m].
   };
   std::vector<int32_t> first;       ///< WispPoints::first that all is for,
   std::vector<float> radius;        ///< and its radius.
@@ -67,6 +74,8 @@ struct WispNeighbours {
   Eigen::Quaternionf turn =
       Eigen::Quaternionf::Identity();     ///< From the frame to the points' axes.
   float longest_sweep = 0;                ///< Of a point that counts in a step [m].
+  double tests = 0;                       ///< That a link's search took last, about,
+  size_t next = 0;                        ///< and the link that comes first in the next one.
   std::vector<Around> around;             ///< By link.
   std::vector<Eigen::Vector3f> searched;  ///< Of its points, when it was last searched for [m];
                                           ///< what it shares with the next link counts twice.

@@ -15,15 +15,26 @@ constexpr int kGuidesAPiece = WispScratch::kGuidesAPiece;
 constexpr float kLongestSweep = 0.25f;  // Of a point among the others [m].
 constexpr float kSpare = 0.4f;  // What a point may move until the next search, by the radius,
 constexpr float kAhead = 3;     // and steps more for which that lasts, up to it; if not twice it.
-constexpr double kMostTests = 500;  // A point, at which sweeps are cut.
-constexpr double kFew = 1000;       // Points that may always be tested.
+// What heads of more than a few thousand points may cost (Budget), by the point:
+constexpr double kMore = 14e3;     // besides so many points,
+constexpr double kMostTests = 12;  // boxes that are compared in a step, lest links take turns;
+constexpr double kWorst = 500;     // boxes if all is new, with sweeps halved until it is so many;
+constexpr double kMostNear = 2;    // and neighbours that are found, the nearest.
+constexpr float kStraight = 0.2f;  // Links count as lines that bulge less, by what they may reach.
+// What a point may move until the next search is no less than the step's sweep and that, by the
+// radius; so what was left out may be met late.
+constexpr float kLeastSpare = 0.25f;
+constexpr float kWider = 1.4f;     // By which the next search is wider if it found few,
+constexpr float kNarrower = 0.7f;  // and narrower if it found twice too many.
 
 // Why a link's neighbours are searched: it left where it was, or is another.
 constexpr uint8_t kMoved = 1, kChanged = 2;
 
-constexpr auto Before = [](const Pair& a, const Pair& b) {
-  return a.first != b.first ? a.first < b.first : a.second < b.second;
-};
+uint64_t Key(const Pair& pair) {
+  return uint64_t{static_cast<uint32_t>(pair.first)} << 32 | static_cast<uint32_t>(pair.second);
+}
+
+constexpr auto Before = [](const Pair& a, const Pair& b) { return Key(a) < Key(b); };
 
 template <typename Visit>
 void ForGuides(int guides, exec::WorkerPool& pool, const Visit& visit) {
@@ -53,6 +64,8 @@ void Start(const WispPoints& points, WispNeighbours& neighbours) {
   }
   neighbours.turn.setIdentity();
   neighbours.longest_sweep = kLongestSweep;
+  neighbours.tests = 0;
+  neighbours.next = 0;
   neighbours.around.assign(static_cast<size_t>(neighbours.first_link.back()), Around{});
   neighbours.searched.assign(points.mass.size() + neighbours.around.size(),
                              Eigen::Vector3f::Zero());
@@ -62,7 +75,7 @@ void Start(const WispPoints& points, WispNeighbours& neighbours) {
 }
 
 // Notes where a link is while its neighbours are searched.
-void Surround(const WispPoints& points, size_t l, const WispScratch& scratch,
+void Surround(const WispPoints& points, size_t l, WispScratch& scratch,
               WispNeighbours& neighbours) {
   const WispLink& link = scratch.links[l];
   const auto begin = static_cast<size_t>(link.point), end = begin + static_cast<size_t>(link.count);
@@ -80,7 +93,9 @@ void Surround(const WispPoints& points, size_t l, const WispScratch& scratch,
   around.bulge = link.bulge;
   around.half = link.half;
   around.reach = link.reach;
-  around.spare = sweep + kSpare * radius + (ahead < 2 * radius ? std::min(ahead, radius) : 0);
+  scratch.spare[l] = sweep + kLeastSpare * radius;
+  around.spare = std::min(
+      sweep + kSpare * radius + (ahead < 2 * radius ? std::min(ahead, radius) : 0), around.widest);
 }
 
 // Of a link's points when it was searched for.
@@ -101,91 +116,134 @@ SegmentBox Box(const WispLink& link, const WispNeighbours& neighbours, size_t l)
   return {low - by, high + by, link.guide};
 }
 
-bool Within(const Segment& s, const Segment& t, float distance) {
+float Apart(const Segment& s, const Segment& t) {
   const ClosestFractions at = ClosestPoints(s, t);
-  return (s.At(at.s) - t.At(at.t)).squaredNorm() <= distance * distance;
+  return (s.At(at.s) - t.At(at.t)).norm();
 }
 
 // Whether points of two links may meet before either is searched for again: first by the lines
-// between their ends, then by segments, as links may be much longer than they reach.
-bool MayMeet(const WispNeighbours& neighbours, size_t l, size_t other) {
+// between their ends, then by segments, as links may be much longer than they reach. Sets `apart`
+// to what they are apart at least.
+bool MayMeet(const WispNeighbours& neighbours, size_t l, size_t other, float* apart) {
   const Around &a = neighbours.around[l], &b = neighbours.around[other];
   const Eigen::Vector3f *const x = Searched(neighbours, l), *const y = Searched(neighbours, other);
   const float reach = a.reach + a.spare + b.reach + b.spare;
-  if (!Within({x[0], x[a.count]}, {y[0], y[b.count]}, reach + a.bulge + b.bulge)) return false;
+  *apart = Apart({x[0], x[a.count]}, {y[0], y[b.count]}) - a.bulge - b.bulge;
+  if (*apart > reach) return false;
+  if (a.bulge + b.bulge < kStraight * reach) return true;
   const float near = 2 * (reach + a.half + b.half);  // Of sums of two ends.
   for (int32_t i = 0; i < a.count; ++i) {
     const Eigen::Vector3f mine = x[i] + x[i + 1];
     for (int32_t j = 0; j < b.count; ++j) {
       if ((mine - y[j] - y[j + 1]).squaredNorm() > near * near) continue;
-      if (Within({x[i], x[i + 1]}, {y[j], y[j + 1]}, reach)) return true;
+      if (Apart({x[i], x[i + 1]}, {y[j], y[j + 1]}) <= reach) return true;
     }
   }
   return false;
 }
 
-void MarkAll(WispScratch& scratch) {
-  for (uint8_t& moved : scratch.moved) moved = std::max(moved, kMoved);
-}
-
 // Sets scratch.moved for the links to search for; whether there are any.
-bool MarkMoved(WispScratch& scratch, WispNeighbours& neighbours) {
-  size_t count = 0;
-  for (size_t l = 0; l < neighbours.around.size(); ++l) {
+//
+// Where all that moved are more than may be searched for, they take turns.
+bool MarkMoved(const WispPoints& points, WispScratch& scratch, WispNeighbours& neighbours) {
+  const size_t links = neighbours.around.size();
+  size_t count = 0, changes = 0;
+  for (size_t l = 0; l < links; ++l) {
     Around& around = neighbours.around[l];
     const WispLink& link = scratch.links[l];
     const bool part = link.reach > 0, known = around.spare >= 0;
     const bool changed = known != part || (part && link.point != around.point);
     scratch.moved[l] = changed ? kChanged : part && !(link.farthest <= around.spare) ? kMoved : 0;
     if (!part) around.spare = -1;
-    count += scratch.moved[l] != 0;
+    count += scratch.moved[l] == kMoved;
+    changes += scratch.moved[l] == kChanged;
   }
-  // Of half of them all pairs are found twice.
-  if (2 * count > scratch.moved.size()) MarkAll(scratch);
-  return count > 0;
+  auto most =
+      static_cast<size_t>(Budget(kMostTests, kMore, points) / std::max(neighbours.tests, 1.0)) + 1;
+  if (count <= most) return count + changes > 0;
+  const size_t first = neighbours.next;
+  for (size_t k = 0; k < links; ++k) {
+    const size_t l = first + k < links ? first + k : first + k - links;
+    if (scratch.moved[l] != kMoved) continue;
+    if (most == 0) {
+      scratch.moved[l] = 0;
+      continue;
+    }
+    --most;
+    neighbours.next = l + 1;
+  }
+  return true;
+}
+
+// Lists a moved link's neighbours, the nearest of them if they are many.
+void FindNear(size_t a, size_t most, const WispNeighbours& neighbours, WispScratch& scratch,
+              WispScratch::Piece& piece) {
+  auto& near = piece.near;
+  near.clear();
+  scratch.grid.ForOverlapping(static_cast<int>(a), [&](int32_t other) {
+    ++piece.compared;
+    float apart;
+    if (MayMeet(neighbours, a, static_cast<size_t>(other), &apart)) near.push_back({apart, other});
+  });
+  const Around& around = neighbours.around[a];
+  float spare = around.spare, widest = around.widest;
+  if (near.size() > 2 * most) widest = kNarrower * std::min(spare, widest);
+  if (near.size() < most) widest = std::min(1.0f, kWider * widest);
+  if (near.size() > most) {
+    const auto cut = near.begin() + static_cast<ptrdiff_t>(most);
+    std::nth_element(near.begin(), cut, near.end(), [](const auto& x, const auto& y) {
+      return x.apart != y.apart ? x.apart < y.apart : x.link < y.link;
+    });
+    // Until then those that are left out do not meet it.
+    for (auto left = cut; left != near.end(); ++left) {
+      const Around& other = neighbours.around[static_cast<size_t>(left->link)];
+      spare = std::min(spare, left->apart - around.reach - other.reach - other.spare);
+    }
+    near.erase(cut, near.end());
+  }
+  scratch.spare[a] = std::max(spare, std::min(around.spare, scratch.spare[a]));
+  scratch.widest[a] = widest;
+  for (const auto& [apart, other] : near) {
+    const auto link = static_cast<int32_t>(a);
+    piece.neighbours.push_back(
+        {std::min(link, other), std::max(link, other), kUnknown, {WispNeighbours::kNone, 0}});
+  }
 }
 
 // Lists the moved links' neighbours in scratch.found.
-void FindPairs(int guides, exec::WorkerPool& pool, const WispNeighbours& neighbours,
+void FindPairs(const WispPoints& points, exec::WorkerPool& pool, const WispNeighbours& neighbours,
                WispScratch& scratch) {
-  const bool all = std::ranges::all_of(scratch.moved, [](uint8_t moved) { return moved != 0; });
+  const int guides = points.guides();
+  const auto links = static_cast<double>(neighbours.around.size());
+  const auto most = static_cast<size_t>(Budget(kMostNear, kMore, points) / links) + 1;
   pool.ParallelFor(guides, kGuidesAPiece, [&](int begin, int end) {
-    auto& found = scratch.pieces[static_cast<size_t>(begin / kGuidesAPiece)].neighbours;
-    found.clear();
+    auto& piece = scratch.pieces[static_cast<size_t>(begin / kGuidesAPiece)];
+    piece.neighbours.clear();
+    piece.compared = 0;
     const auto first = static_cast<size_t>(neighbours.first_link[static_cast<size_t>(begin)]);
     const auto last = static_cast<size_t>(neighbours.first_link[static_cast<size_t>(end)]);
+    piece.near.reserve(4 * most);  // Links that find more are searched less widely.
+    piece.neighbours.reserve(most * (last - first));
     for (size_t a = first; a < last; ++a) {
-      if (!scratch.moved[a]) continue;
-      const auto visit = [&](int32_t other) {
-        const auto b = static_cast<size_t>(other);
-        const bool later = b > a;
-        if ((!later && scratch.moved[b]) || !MayMeet(neighbours, a, b)) {
-          return;
-        }
-        const auto link = static_cast<int32_t>(a);
-        found.push_back(
-            {later ? link : other, later ? other : link, kUnknown, {WispNeighbours::kNone, 0}});
-      };
-      if (all) {
-        scratch.grid.ForOverlapping(static_cast<int>(a), visit);
-      } else {
-        scratch.grid.ForOverlapping<true>(static_cast<int>(a), visit);
-      }
+      if (scratch.moved[a] != 0) FindNear(a, most, neighbours, scratch, piece);
     }
-    std::sort(found.begin(), found.end(), Before);
-    if (all) found.reserve(2 * found.size());  // In other searches some are seen from their second.
   });
   scratch.found.clear();
-  scratch.found.reserve(neighbours.pairs.size());
+  scratch.found.reserve(most * neighbours.around.size());
   for (int begin = 0; begin < guides; begin += kGuidesAPiece) {
-    const auto& found = scratch.pieces[static_cast<size_t>(begin / kGuidesAPiece)].neighbours;
-    scratch.found.insert(scratch.found.end(), found.begin(), found.end());
+    const auto& piece = scratch.pieces[static_cast<size_t>(begin / kGuidesAPiece)];
+    scratch.found.insert(scratch.found.end(), piece.neighbours.begin(), piece.neighbours.end());
+    scratch.work.compared += piece.compared;
   }
-  if (!all) std::sort(scratch.found.begin(), scratch.found.end(), Before);
+  // What both have found is listed twice.
+  std::sort(scratch.found.begin(), scratch.found.end(), Before);
+  const auto same = [](const Pair& a, const Pair& b) { return Key(a) == Key(b); };
+  scratch.found.erase(std::unique(scratch.found.begin(), scratch.found.end(), same),
+                      scratch.found.end());
 }
 
-// Puts what was found in the place of the moved links' pairs; of those that were pairs before all
-// that is known is kept.
+// Puts what was found in the place of the moved links' pairs, but for those that touch; of those
+// that were pairs before all that is known is kept.
 void Merge(WispScratch& scratch, WispNeighbours& neighbours) {
   std::swap(scratch.neighbours, neighbours.pairs);
   neighbours.pairs.clear();
@@ -202,7 +260,7 @@ void Merge(WispScratch& scratch, WispNeighbours& neighbours) {
     found += again;
     if (again) {
       neighbours.pairs.push_back(moved(old) == kChanged ? found[-1] : old);
-    } else if (moved(old) == 0) {
+    } else if (moved(old) == 0 || (moved(old) == kMoved && old.known())) {
       neighbours.pairs.push_back(old);
     }
   }
@@ -225,6 +283,7 @@ void Merge(WispScratch& scratch, WispNeighbours& neighbours) {
 
 void Search(const WispPoints& points, WispScratch& scratch, exec::WorkerPool& pool,
             WispNeighbours& neighbours) {
+  const bool all = std::ranges::all_of(scratch.moved, [](uint8_t moved) { return moved != 0; });
   neighbours.longest_sweep = kLongestSweep;
   for (int tries = 0; tries < 6; ++tries) {
     ForGuides(points.guides(), pool, [&](size_t g) {
@@ -236,11 +295,17 @@ void Search(const WispPoints& points, WispScratch& scratch, exec::WorkerPool& po
       }
     });
     scratch.grid.Build(scratch.boxes);
-    if (scratch.grid.tests() <= kMostTests * (kFew + static_cast<double>(points.size()))) break;
+    neighbours.tests = scratch.grid.tests();
+    const double tests = neighbours.tests * static_cast<double>(neighbours.around.size());
+    if (!all || tests <= Budget(kWorst, kMore, points)) break;
     neighbours.longest_sweep *= 0.5f;
-    MarkAll(scratch);
   }
-  FindPairs(points.guides(), pool, neighbours, scratch);
+  FindPairs(points, pool, neighbours, scratch);
+  for (size_t l = 0; l < neighbours.around.size(); ++l) {
+    if (!scratch.moved[l] || neighbours.around[l].spare < 0) continue;
+    neighbours.around[l].spare = scratch.spare[l];
+    neighbours.around[l].widest = scratch.widest[l];
+  }
   Merge(scratch, neighbours);
 }
 
@@ -256,13 +321,17 @@ void FindNeighbours(const WispPoints& points, const WispStep& step, const WispSe
   scratch.links.resize(neighbours.around.size());
   scratch.boxes.resize(neighbours.around.size());
   scratch.moved.resize(neighbours.around.size());
+  scratch.spare.resize(neighbours.around.size());
+  scratch.widest.resize(neighbours.around.size());
   std::swap(scratch.last_place, neighbours.place);
   const WispFrame frame = WispFrame::Fit(points, step, &neighbours.turn);
   ForGuides(points.guides(), pool, [&](size_t g) {
     MeasureLinks(points, g, step, frame, static_cast<float>(settings.root_length), neighbours,
                  scratch);
   });
-  if (MarkMoved(scratch, neighbours)) Search(points, scratch, pool, neighbours);
+  scratch.work = {};
+  if (MarkMoved(points, scratch, neighbours)) Search(points, scratch, pool, neighbours);
+  scratch.work.neighbours = static_cast<int64_t>(neighbours.pairs.size());
 }
 
 }  // namespace mane::contact

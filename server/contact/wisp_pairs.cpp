@@ -122,6 +122,8 @@ void FindPairs(const WispPoints& points, const WispStep& step, const WispSetting
     piece.pairs.push_back(pair);
     Continue(*old, true, steps, piece.pairs.back());
   }
+  KeepRoom(piece.contacts);
+  KeepRoom(piece.pairs);
   if (piece.pairs.size() == found) return;
   std::sort(piece.pairs.begin(), piece.pairs.end(), [](const WispPair& a, const WispPair& b) {
     return std::tie(a.guide[0], a.guide[1], a.point[0], a.point[1]) <
@@ -242,6 +244,10 @@ void WispTracker::Begin(const WispPoints& points, double dt, WispScratch& scratc
     pairs_.insert(pairs_.end(), scratch.pieces[i].pairs.begin(), scratch.pieces[i].pairs.end());
   }
 
+  KeepRoom(pairs_);
+  scratch.pairs.reserve(pairs_.capacity());
+  scratch.ends.reserve(2 * pairs_.capacity());
+  scratch.followed.reserve(pairs_.capacity());
   scratch.first_point.assign(points.first.begin(), points.first.end());
   heaviness_.resize(points.radius.size());
   ListEnds(pairs_, points.mass.size(), scratch);

@@ -92,13 +92,27 @@ struct WispScratch {
     int32_t link[2];   ///< Which they are,
     int32_t point[2];  ///< the segments of theirs that come closest,
     float distance;    ///< how near those do within the step [m],
+    bool followed;     ///< whether they touched in the last step, too,
     Contact contact;   ///< and where these or the next ones along the guides touch.
     WispNeighbours::Pair* pair;
   };
+  /// A link near the one that is searched for.
+  struct Near {
+    float apart;  ///< Their least distance may be [m].
+    int32_t link;
+  };
+  /// What a step looked at; counts that do not depend on the machine.
+  struct Work {
+    int64_t compared = 0;    ///< Links whose boxes overlap that of one which is searched for,
+    int64_t neighbours = 0;  ///< and pairs of links that are neighbours.
+  };
   /// What a piece of guides finds.
   struct Piece {
+    int64_t compared = 0;    ///< Work::compared of this step.
+    std::vector<Near> near;  ///< Of one link.
     std::vector<WispNeighbours::Pair> neighbours;
     std::vector<Candidate> candidates;  ///< Of one guide.
+    std::vector<Candidate> nearest;     ///< Those of them that are kept.
     std::vector<Contact> contacts;
     std::vector<WispPair> pairs;
   };
@@ -114,11 +128,14 @@ struct WispScratch {
   std::vector<WispLink> links;
   std::vector<SegmentBox> boxes;  ///< Of links.
   std::vector<uint8_t> moved;     ///< Whether a link's neighbours are searched anew.
+  /// WispNeighbours::Around's, as a search leaves them; the first at least what it is before [m].
+  std::vector<float> spare, widest;
   SegmentGrid grid;
   std::vector<WispNeighbours::Pair> found;       ///< By the search,
   std::vector<WispNeighbours::Pair> neighbours;  ///< and all before it.
   static constexpr int kGuidesAPiece = 8;
   std::vector<Piece> pieces;
+  Work work;
   std::vector<WispPair> pairs;     ///< Of the last step.
   std::vector<uint8_t> followed;   ///< Which of them have gone on.
   std::vector<int32_t> first_end;  ///< By first point of a segment, and their number.

@@ -6,7 +6,7 @@
 //   relax      a distance that was met turns into that of the rest shape
 //   side       what crossed is pushed back to the side that it came from
 //   forget     what is apart is no pair
-//   linear     pairs and time grow with the guides
+//   linear     pairs and time grow with the guides; what a step looks at, by counts, no faster
 //   workers    the same bits for any number of them, for copies too, and no allocation once warm
 //   bounded    whatever comes in, what comes out is finite and bounded
 
@@ -134,6 +134,25 @@ std::map<std::pair<int, int>, float> Nearest(const Tracking& tracking) {
   return nearest;
 }
 
+// Guides sway about their roots for a step, each in its own way; some directions last.
+void Sway(int step, double speed, math::RandomStream* random, Hair* hair) {
+  for (size_t g = 0; g + 1 < hair->first.size() && step % 12 == 0; ++g) {
+    const Vector3d tip = speed * Vector3d(random->Normal(), random->Normal(), random->Normal());
+    for (int32_t k = 0; k < 30; ++k) {
+      const auto p = static_cast<size_t>(hair->first[g] + k);
+      const double part = k / 29.0;
+      hair->ux[p] = static_cast<float>(part * tip.x());
+      hair->uy[p] = static_cast<float>(part * tip.y());
+      hair->uz[p] = static_cast<float>(part * tip.z());
+    }
+  }
+  for (size_t p = 0; p < hair->size(); ++p) {
+    hair->x[p] += static_cast<float>(kDt) * hair->ux[p];
+    hair->y[p] += static_cast<float>(kDt) * hair->uy[p];
+    hair->z[p] += static_cast<float>(kDt) * hair->uz[p];
+  }
+}
+
 TEST(WispPairsTest, HairThatMovesHasThePairsThatASearchFromNothingFinds) {
   for (const double speed : {0.05, 0.3, 1.5}) {
     Hair hair = HeadOfHair(80, 12);
@@ -141,23 +160,7 @@ TEST(WispPairsTest, HairThatMovesHasThePairsThatASearchFromNothingFinds) {
     Tracking warm;
     int met = 0, missed = 0, farther = 0;
     for (int i = 0; i < 120; ++i) {
-      // Guides sway about their roots, each in its own way, and some directions last.
-      for (size_t g = 0; g + 1 < hair.first.size(); ++g) {
-        if (i % 12 != 0) break;
-        const Vector3d tip = speed * Vector3d(random.Normal(), random.Normal(), random.Normal());
-        for (int32_t k = 0; k < 30; ++k) {
-          const auto p = static_cast<size_t>(hair.first[g] + k);
-          const double part = k / 29.0;
-          hair.ux[p] = static_cast<float>(part * tip.x());
-          hair.uy[p] = static_cast<float>(part * tip.y());
-          hair.uz[p] = static_cast<float>(part * tip.z());
-        }
-      }
-      for (size_t p = 0; p < hair.size(); ++p) {
-        hair.x[p] += static_cast<float>(kDt) * hair.ux[p];
-        hair.y[p] += static_cast<float>(kDt) * hair.uy[p];
-        hair.z[p] += static_cast<float>(kDt) * hair.uz[p];
-      }
+      Sway(i, speed, &random, &hair);
       warm.Begin(hair);
       Tracking fresh;
       fresh.Begin(hair);
@@ -310,6 +313,35 @@ TEST(WispPairsTest, PairsAndTimeGrowWithTheGuides) {
   }
 }
 
+TEST(WispPairsTest, WhatAStepLooksAtGrowsNoFasterThanTheGuides) {
+  for (const double speed : {0.0, 0.2, 1.0}) {
+    for (const int guides : {50, 100, 500, 1000, 5000}) {
+      Hair hair = HeadOfHair(guides, 4);
+      math::RandomStream random(5, 0);
+      Tracking tracking;
+      constexpr int kSteps = 6;
+      double compared = 0, neighbours = 0, pairs = 0;
+      for (int i = 0; i <= kSteps; ++i) {
+        Sway(i, speed, &random, &hair);
+        tracking.Begin(hair);
+        if (i == 0) continue;  // Everything is new.
+        compared += static_cast<double>(tracking.scratch.work.compared) / guides / kSteps;
+        neighbours += static_cast<double>(tracking.scratch.work.neighbours) / guides / kSteps;
+        pairs += static_cast<double>(tracking.tracker.pairs().size()) / guides / kSteps;
+      }
+      std::printf("%.1f m/s, %d guides: compares %.0f, %.0f neighbours, %.1f pairs a guide\n",
+                  speed, guides, compared, neighbours, pairs);
+      // By the budgets a point (contact.md, H3), of which small heads have some to spare.
+      EXPECT_LT(compared, 12 * (30 + 14000.0 / guides)) << guides;
+      EXPECT_LT(neighbours, 2.2 * (30 + 14000.0 / guides)) << guides;
+      EXPECT_LT(pairs, 30) << guides;
+      if (speed == 0) {
+        EXPECT_EQ(compared, 0) << guides;  // What rests is not searched.
+      }
+    }
+  }
+}
+
 // The pairs and impulses of some steps of shaken hair.
 struct Record {
   std::vector<float> numbers;
@@ -345,22 +377,24 @@ void Simulate(int from, int to, Hair& hair, Tracking& tracking, Record* record) 
 }
 
 TEST(WispPairsTest, AnyNumberOfWorkersGivesTheSameBitsAndSoDoesACopy) {
-  std::vector<Record> records;
-  for (const int workers : {1, 2, 5}) {
-    Hair hair = HeadOfHair(150, 6);
-    Tracking tracking({}, workers);
-    records.emplace_back();
-    Simulate(0, 8, hair, tracking, &records.back());
-    EXPECT_TRUE(records.back().numbers == records.front().numbers) << workers;
-  }
+  for (const int guides : {150, 800}) {  // In the larger one links wait for their turn.
+    std::vector<Record> records;
+    for (const int workers : {1, 2, 5}) {
+      Hair hair = HeadOfHair(guides, 6);
+      Tracking tracking({}, workers);
+      records.emplace_back();
+      Simulate(0, 8, hair, tracking, &records.back());
+      EXPECT_TRUE(records.back().numbers == records.front().numbers) << workers;
+    }
 
-  Hair hair = HeadOfHair(150, 6);
-  Tracking original, copy;
-  Record by_copy;
-  Simulate(0, 4, hair, original, &by_copy);
-  copy.tracker = original.tracker;
-  Simulate(4, 8, hair, copy, &by_copy);
-  EXPECT_TRUE(by_copy.numbers == records.front().numbers);
+    Hair hair = HeadOfHair(guides, 6);
+    Tracking original, copy;
+    Record by_copy;
+    Simulate(0, 4, hair, original, &by_copy);
+    copy.tracker = original.tracker;
+    Simulate(4, 8, hair, copy, &by_copy);
+    EXPECT_TRUE(by_copy.numbers == records.front().numbers) << guides;
+  }
 }
 
 TEST(WispPairsTest, AWarmTrackerAllocatesNothing) {

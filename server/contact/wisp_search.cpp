@@ -19,6 +19,11 @@ constexpr float kLate = 0.1f;  // what may come in before it is seen, if not wit
 constexpr float kFast =
     0.25f;  // what they sweep from which on it is what they come to that counts,
 constexpr float kFollowed = 0.5f;  // and up to which those that meet are followed.
+// Contacts a point that are kept: of a link's, the nearest. What touched in the last step counts as
+// nearer by a part of its reach, lest two take turns.
+constexpr double kMostContacts = 0.8;
+constexpr double kMore = 8e3;  // Points besides (Budget).
+constexpr float kKept = 0.1f;
 
 Segment SegmentAt(const WispNeighbours& neighbours, int32_t point) {
   const auto p = static_cast<size_t>(point);
@@ -54,15 +59,38 @@ Lines Between(const WispNeighbours& neighbours, const WispScratch& scratch, cons
   return {distance - a.bulge - b.bulge, std::max(0.0f, nearing) + a.ripple + b.ripple};
 }
 
-// The middles of a link's segments, in lists of what they are taken of.
+// The middles of a link's segments, in lists of what they are taken of; as rows that a compiler
+// turns into vectors, filled up with the last one.
 struct Middles {
-  Vector3f at[kLongestLink];
+  float x[kLongestLink], y[kLongestLink], z[kLongestLink];
 
   Middles(const std::vector<Vector3f>& of, const WispLink& link) {
-    const auto p = static_cast<size_t>(link.point);
-    for (size_t k = 0; k < static_cast<size_t>(link.count); ++k) {
-      at[k] = 0.5f * (of[p + k] + of[p + k + 1]);
+    const auto p = static_cast<size_t>(link.point), last = static_cast<size_t>(link.count) - 1;
+    for (size_t k = 0; k < kLongestLink; ++k) {
+      const size_t at = p + std::min(k, last);
+      const Vector3f middle = 0.5f * (of[at] + of[at + 1]);
+      x[k] = middle.x(), y[k] = middle.y(), z[k] = middle.z();
     }
+  }
+};
+
+// Squared distances of the segments' middles of two links.
+struct Distances {
+  float squared[kLongestLink][kLongestLink];
+
+  // Takes the segments that are nearest; their squared distance.
+  float Least(const WispLink& a, const WispLink& b, int nearest[2]) const {
+    float least = 1e30f;
+    nearest[0] = nearest[1] = 0;
+    for (int i = 0; i < a.count; ++i) {
+      for (int j = 0; j < b.count; ++j) {
+        if (squared[i][j] >= least) continue;
+        least = squared[i][j];
+        nearest[0] = i;
+        nearest[1] = j;
+      }
+    }
+    return least;
   }
 };
 
@@ -70,18 +98,16 @@ struct Middles {
 float Closest(const WispNeighbours& neighbours, const WispLink& a, const WispLink& b,
               Candidate& candidate) {
   const Middles mine(neighbours.place, a), other(neighbours.place, b);
-  float apart_2[kLongestLink][kLongestLink];
-  float least_2 = 1e30f;
-  int nearest[2] = {0, 0};
+  Distances all;
   for (int i = 0; i < a.count; ++i) {
-    for (int j = 0; j < b.count; ++j) {
-      apart_2[i][j] = (mine.at[i] - other.at[j]).squaredNorm();
-      if (apart_2[i][j] >= least_2) continue;
-      least_2 = apart_2[i][j];
-      nearest[0] = i;
-      nearest[1] = j;
+    for (int j = 0; j < kLongestLink; ++j) {
+      const float x = mine.x[i] - other.x[j], y = mine.y[i] - other.y[j],
+                  z = mine.z[i] - other.z[j];
+      all.squared[i][j] = x * x + y * y + z * z;
     }
   }
+  int nearest[2];
+  all.Least(a, b, nearest);
   const auto apart = [&](int i, int j) {
     return Apart(SegmentAt(neighbours, a.point + i), SegmentAt(neighbours, b.point + j));
   };
@@ -94,7 +120,7 @@ float Closest(const WispNeighbours& neighbours, const WispLink& a, const WispLin
   for (int i = 0; i < a.count; ++i) {
     for (int j = 0; j < b.count; ++j) {
       const float within = least + a.half + b.half;
-      if ((i == nearest[0] && j == nearest[1]) || apart_2[i][j] > within * within) continue;
+      if ((i == nearest[0] && j == nearest[1]) || all.squared[i][j] > within * within) continue;
       const float distance = apart(i, j);
       if (distance >= least) continue;
       least = distance;
@@ -109,20 +135,24 @@ float ClosestWithin(const WispNeighbours& neighbours, const WispScratch& scratch
                     const WispLink& b, Candidate& candidate) {
   const Middles mine(neighbours.place, a), other(neighbours.place, b);
   const Middles my_sweep(scratch.sweep, a), other_sweep(scratch.sweep, b);
-  float least = 1e30f;
+  Distances all;
   for (int i = 0; i < a.count; ++i) {
-    for (int j = 0; j < b.count; ++j) {
-      const Vector3f d = mine.at[i] - other.at[j], w = my_sweep.at[i] - other_sweep.at[j];
-      const float dd = d.squaredNorm(), dw = d.dot(w), ww = w.squaredNorm();
-      // The distance to all of the line that is swept; a division less.
-      if (dw * dw <= (dd - least) * ww) continue;
-      const float distance_2 = LeastDistance2(d, w, 1);
-      if (distance_2 >= least) continue;
-      least = distance_2;
-      candidate.point[0] = a.point + i;
-      candidate.point[1] = b.point + j;
+    for (int j = 0; j < kLongestLink; ++j) {
+      // LeastDistance2 within the whole step.
+      float x = mine.x[i] - other.x[j], y = mine.y[i] - other.y[j], z = mine.z[i] - other.z[j];
+      const float u = my_sweep.x[i] - other_sweep.x[j], v = my_sweep.y[i] - other_sweep.y[j],
+                  w = my_sweep.z[i] - other_sweep.z[j];
+      const float nearing = -(x * u + y * v + z * w);
+      const float part = nearing / std::max(u * u + v * v + w * w, 1e-20f);
+      const float time = std::min(std::max(part, 0.0f), 1.0f);
+      x += time * u, y += time * v, z += time * w;
+      all.squared[i][j] = x * x + y * y + z * z;
     }
   }
+  int nearest[2];
+  const float least = all.Least(a, b, nearest);
+  candidate.point[0] = a.point + nearest[0];
+  candidate.point[1] = b.point + nearest[1];
   return std::sqrt(least);
 }
 
@@ -142,6 +172,7 @@ bool MayMeet(const WispNeighbours& neighbours, const WispScratch& scratch,
   if (!(a.reach > 0) || !(b.reach > 0)) return false;
   candidate.distance = kUnknown;
   candidate.guide = b.guide;
+  candidate.followed = known;
   candidate.pair = &pair;
   candidate.link[0] = pair.first;
   candidate.link[1] = pair.second;
@@ -266,6 +297,7 @@ void FindCandidates(const WispPoints& points, const WispStep& step, const WispSc
     }
     Add(scratch, candidate, 0, candidates);
   }
+  KeepRoom(candidates);
   std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
     return std::tie(a.guide, a.link[0], a.link[1]) < std::tie(b.guide, b.link[0], b.link[1]);
   });
@@ -294,6 +326,34 @@ void ForMutual(const WispScratch& scratch, const std::vector<Candidate>& candida
   }
 }
 
+// How far off a contact is for its link, by the reach.
+float Rank(const WispPoints& points, const Candidate& candidate) {
+  const Contact& contact = candidate.contact;
+  // What passes through all counts by where it begins.
+  const float apart = contact.distance + contact.start.norm();
+  return apart / SumOfRadii(points, contact.guide) - (candidate.followed ? kKept : 0);
+}
+
+// Of each first link's candidates, keeps the `most` nearest.
+void KeepNearest(const WispPoints& points, const WispScratch& scratch, size_t most,
+                 std::vector<Candidate>& candidates) {
+  std::sort(candidates.begin(), candidates.end(), [&](const Candidate& a, const Candidate& b) {
+    if (a.link[0] != b.link[0]) return a.link[0] < b.link[0];
+    const float mine = Rank(points, a), other = Rank(points, b);
+    return mine != other ? mine < other : a.link[1] < b.link[1];
+  });
+  size_t kept = 0, of_link = 0;
+  for (size_t k = 0; k < candidates.size(); ++k) {
+    of_link = k > 0 && candidates[k].link[0] == candidates[k - 1].link[0] ? of_link + 1 : 0;
+    if (of_link < most) {
+      candidates[kept++] = candidates[k];
+    } else {
+      Wait(scratch, candidates[k]);
+    }
+  }
+  candidates.resize(kept);
+}
+
 // Sorts contacts of one guide, from `begin` on; some have walked to the same place.
 void DropSame(size_t begin, std::vector<Contact>& contacts) {
   const auto key = [](const Contact& contact) {
@@ -313,14 +373,20 @@ void FindContacts(const WispPoints& points, const WispStep& step, const WispScra
                   int begin, int end, WispNeighbours& neighbours, WispScratch::Piece& piece) {
   auto& contacts = piece.contacts;
   contacts.clear();
+  const auto links = static_cast<double>(neighbours.around.size());
+  const auto most = static_cast<size_t>(Budget(kMostContacts, kMore, points) / links) + 1;
   for (int32_t g = begin; g < end; ++g) {
     FindCandidates(points, step, scratch, g, neighbours, piece.candidates);
     const size_t of_guide = contacts.size();
-    ForMutual(scratch, piece.candidates, [&](const Candidate& candidate) {
+    piece.nearest.clear();
+    ForMutual(scratch, piece.candidates,
+              [&](const Candidate& candidate) { piece.nearest.push_back(candidate); });
+    KeepRoom(piece.nearest);
+    if (piece.nearest.size() > most) KeepNearest(points, scratch, most, piece.nearest);
+    for (const Candidate& candidate : piece.nearest) {
       Follow(scratch, candidate);
       contacts.push_back(candidate.contact);
-    });
-
+    }
     DropSame(of_guide, contacts);
   }
 }
