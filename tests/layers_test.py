@@ -43,7 +43,7 @@ FOLDERS = {
     "storage": Folder(("base",), ("fmt",), ("spdlog", "sqlite", "posix")),
     "jobs": Folder(("storage",), ("fmt",), ("spdlog",)),
     "rpc": Folder(
-        ("session", "jobs", "storage", "groom"),
+        ("session", "jobs", "storage", "groom", "styling"),
         ("Eigen", "fmt", "grpc", "protobuf", "proto"),
         ("spdlog", "posix"),
     ),
