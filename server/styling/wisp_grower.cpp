@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "styling/members.h"
+
 namespace mane::styling {
 namespace {
 
@@ -49,12 +51,7 @@ WispGrower::WispGrower(const Masters& masters, const Obstacles& obstacles, const
       keep_out_(obstacles) {}
 
 float WispGrower::Radius(int k) const {
-  const auto last = static_cast<double>(radii_.size() - 1);
-  const double at = own_joints_ > 0 ? std::min(1.0, k / own_joints_) * last : last;
-  const auto i = static_cast<size_t>(at);
-  if (i + 1 >= radii_.size()) return static_cast<float>(radii_.back());
-  return static_cast<float>(radii_[i] +
-                            (at - static_cast<double>(i)) * (radii_[i + 1] - radii_[i]));
+  return RadiusAt(radii_, own_joints_ > 0 ? k / own_joints_ : 1.0);
 }
 
 void WispGrower::Grow(int wisp, uint32_t first, std::span<const Vector3f> roots,
