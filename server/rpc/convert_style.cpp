@@ -26,8 +26,9 @@ constexpr size_t kMaxName = 64;
 constexpr uint32_t kMaxGridNodes = 256;  // Along an axis.
 
 Result<styling::Style::RegionalSynthesis> ToRegional(const v1::RegionalSynthesis& message,
-                                                     const std::string& field) {
-  auto region = ToRegion(message.region(), field + ".region");
+                                                     const std::string& field,
+                                                     ImageReader* images) {
+  auto region = ToRegion(message.region(), field + ".region", images);
   if (!region) return region.error();
   auto synthesis = ToSynthesis(message.synthesis(), field + ".synthesis");
   if (!synthesis) return synthesis.error();
@@ -109,11 +110,11 @@ Result<styling::Constraint> ToConstraint(const v1::Constraint& message, const st
 }
 
 Result<styling::ConstraintQueue> ToQueue(const v1::ConstraintQueue& message,
-                                         const std::string& field) {
+                                         const std::string& field, ImageReader* images) {
   styling::ConstraintQueue queue;
   if (const auto ok = CheckText(message.name(), kMaxName, field + ".name"); !ok) return ok.error();
   queue.name = message.name();
-  auto selection = ToRegion(message.selection(), field + ".selection");
+  auto selection = ToRegion(message.selection(), field + ".selection", images);
   if (!selection) return selection.error();
   queue.selection = *std::move(selection);
   const uint32_t shares = std::max(message.share_count(), 1U);
@@ -198,12 +199,13 @@ Result<decltype(styling::Operation::what)> ToWhat(const v1::HairdressingOperatio
 
 // @param style  that it is for.
 Result<styling::Operation> ToOperation(const v1::HairdressingOperation& message,
-                                       const styling::Style& style, const std::string& field) {
-  auto region = ToRegion(message.region(), field + ".region");
+                                       const styling::Style& style, const std::string& field,
+                                       ImageReader* images) {
+  auto region = ToRegion(message.region(), field + ".region", images);
   if (!region) return region.error();
   auto what = ToWhat(message, field);
   if (!what) return what.error();
-  styling::Operation operation{*std::move(region), *std::move(what)};
+  styling::Operation operation{field, *std::move(region), *std::move(what)};
   if (const auto ok = styling::ValidateOperation(operation, style, field); !ok) return ok.error();
   return operation;
 }
@@ -261,22 +263,29 @@ Result<void> ToNumbers(const v1::Style& message, const std::string& field, styli
 
 Result<styling::Style> ToStyle(const v1::Style& message, const std::string& field) {
   styling::Style style;
+  ImageReader images;
+  const auto with_images = [&images](const auto& convert) {
+    return [&images, &convert](const auto& part, const std::string& path) {
+      return convert(part, path, &images);
+    };
+  };
   if (const auto ok = ToNumbers(message, field, &style); !ok) return ok.error();
 
-  auto density = ToMap(message.density(), 1, field + ".density");
+  auto density = ToMap(message.density(), 1, field + ".density", &images);
   if (!density) return density.error();
   style.density = *std::move(density);
-  auto length = ToMap(message.length(), 0.25, field + ".length");
+  auto length = ToMap(message.length(), 0.25, field + ".length", &images);
   if (!length) return length.error();
   style.length = *std::move(length);
-  auto protrusion = ToMap(message.protrusion(), 0.5, field + ".protrusion");
+  auto protrusion = ToMap(message.protrusion(), 0.5, field + ".protrusion", &images);
   if (!protrusion) return protrusion.error();
   style.protrusion = *std::move(protrusion);
 
   auto synthesis = ToSynthesis(message.synthesis(), field + ".synthesis");
   if (!synthesis) return synthesis.error();
   style.synthesis = *std::move(synthesis);
-  auto regional = ToList(message.regional(), field + ".regional", kMaxParts, ToRegional);
+  auto regional =
+      ToList(message.regional(), field + ".regional", kMaxParts, with_images(ToRegional));
   if (!regional) return regional.error();
   style.regional = *std::move(regional);
 
@@ -287,7 +296,7 @@ Result<styling::Style> ToStyle(const v1::Style& message, const std::string& fiel
   if (!terms) return terms.error();
   style.field = *std::move(terms);
   if (style.field.empty()) style.field.emplace_back();
-  auto queues = ToList(message.queues(), field + ".queues", kMaxQueues, ToQueue);
+  auto queues = ToList(message.queues(), field + ".queues", kMaxQueues, with_images(ToQueue));
   if (!queues) return queues.error();
   style.queues = *std::move(queues);
   auto colour = ToColouring(message.colour(), field + ".colour");
@@ -299,11 +308,11 @@ Result<styling::Style> ToStyle(const v1::Style& message, const std::string& fiel
   }
   // Before operations: what they add has been checked as they were.
   if (const auto ok = styling::ValidateStyle(style, field); !ok) return ok.error();
-  auto operations =
-      ToList(message.operations(), field + ".operations", kMaxOperations,
-             [&style](const v1::HairdressingOperation& operation, const std::string& path) {
-               return ToOperation(operation, style, path);
-             });
+  auto operations = ToList(
+      message.operations(), field + ".operations", kMaxOperations,
+      [&style, &images](const v1::HairdressingOperation& operation, const std::string& path) {
+        return ToOperation(operation, style, path, &images);
+      });
   if (!operations) return operations.error();
   for (const styling::Operation& operation : *operations) styling::Dress(operation, &style);
   return style;

@@ -7,6 +7,7 @@
 #include "rpc/convert_values.h"
 #include "rpc/limits.h"
 #include "styling/png_image.h"
+#include "styling/synthesis.h"
 
 namespace mane::rpc {
 namespace {
@@ -17,20 +18,32 @@ constexpr int kMaxWispNumbers = 20'000;
 constexpr int kMaxDensities = 1000;
 constexpr size_t kMaxPrototypePoints = 4096;
 
-Result<std::shared_ptr<const styling::MapImage>> ToImage(const std::string& png,
-                                                         const std::string& field) {
-  if (png.empty()) return std::shared_ptr<const styling::MapImage>();
-  auto image = styling::DecodePng(std::as_bytes(std::span(png)), field);
-  if (!image) return image.error();
-  return std::shared_ptr<const styling::MapImage>(
-      std::make_shared<styling::MapImage>(*std::move(image)));
-}
-
 Result<styling::Stop> ToStop(const v1::Stop& message, const std::string& /*field*/) {
   return styling::Stop{message.at(), message.value()};
 }
 
 }  // namespace
+
+Result<std::shared_ptr<const styling::MapImage>> ImageReader::Read(const std::string& png,
+                                                                   const std::string& field) {
+  if (png.empty()) return std::shared_ptr<const styling::MapImage>();
+  const auto found = read_.find(png);
+  if (found != read_.end()) return found->second;
+  const auto bytes = std::as_bytes(std::span(png));
+  pixels_ += styling::PixelsOf(bytes);
+  if (pixels_ > kMaxPixels) {
+    return Error{ErrorCode::kResourceExhausted,
+                 fmt::format("the images up to {} have {} pixels together; at most {} are allowed: "
+                             "use smaller images",
+                             field, pixels_, kMaxPixels),
+                 field};
+  }
+  auto image = styling::DecodePng(bytes, field);
+  if (!image) return image.error();
+  const auto shared = std::make_shared<const styling::MapImage>(*std::move(image));
+  read_.emplace(png, shared);
+  return std::shared_ptr<const styling::MapImage>(shared);
+}
 
 Result<void> CheckCount(const std::string& field, long count, long most) {
   if (count <= most) return {};
@@ -38,8 +51,8 @@ Result<void> CheckCount(const std::string& field, long count, long most) {
       field, fmt::format("{} has {} entries; at most {} are allowed", field, count, most));
 }
 
-Result<styling::ScalpMap> ToMap(const v1::ScalpMap& message, double unset,
-                                const std::string& field) {
+Result<styling::ScalpMap> ToMap(const v1::ScalpMap& message, double unset, const std::string& field,
+                                ImageReader* images) {
   styling::ScalpMap map;
   map.value = message.has_value() ? message.value() : unset;
   auto by_polar = ToList(message.by_polar(), field + ".by_polar", kMaxStops, ToStop);
@@ -48,7 +61,7 @@ Result<styling::ScalpMap> ToMap(const v1::ScalpMap& message, double unset,
   auto by_azimuth = ToList(message.by_azimuth(), field + ".by_azimuth", kMaxStops, ToStop);
   if (!by_azimuth) return by_azimuth.error();
   map.by_azimuth = *std::move(by_azimuth);
-  auto image = ToImage(message.png(), field + ".png");
+  auto image = images->Read(message.png(), field + ".png");
   if (!image) return image.error();
   map.image = *std::move(image);
   return map;
@@ -59,7 +72,8 @@ Result<styling::Region::HalfSpace> ToHalfSpace(const v1::ScalpRegion::HalfSpace&
   return styling::Region::HalfSpace{ToVector(message.normal()), message.offset_m()};
 }
 
-Result<styling::Region> ToRegion(const v1::ScalpRegion& message, const std::string& field) {
+Result<styling::Region> ToRegion(const v1::ScalpRegion& message, const std::string& field,
+                                 ImageReader* images) {
   styling::Region region;
   if (message.has_polar()) region.polar = {message.polar().low(), message.polar().high()};
   if (message.has_azimuth()) region.azimuth = {message.azimuth().low(), message.azimuth().high()};
@@ -67,7 +81,7 @@ Result<styling::Region> ToRegion(const v1::ScalpRegion& message, const std::stri
       ToList(message.half_spaces(), field + ".half_spaces", kMaxHalfSpaces, ToHalfSpace);
   if (!half_spaces) return half_spaces.error();
   region.half_spaces = *std::move(half_spaces);
-  auto mask = ToImage(message.mask_png(), field + ".mask_png");
+  auto mask = images->Read(message.mask_png(), field + ".mask_png");
   if (!mask) return mask.error();
   region.mask = *std::move(mask);
   if (const auto ok = CheckCount(field + ".wisps", message.wisps_size(), kMaxWispNumbers); !ok) {
@@ -130,7 +144,8 @@ Result<styling::Synthesis> ToSynthesis(const v1::Synthesis& message, const std::
   const auto ok = CheckCount(path + ".points", std::ssize(points), kMaxPrototypePoints);
   if (!ok) return ok.error();
   for (const Eigen::Vector3f& p : points) synthesis.prototype.points.push_back(p.cast<double>());
-  if (const auto fits = CheckRange(field + ".window", message.window(), 0, 200); !fits) {
+  if (const auto fits = CheckRange(field + ".window", message.window(), 0, styling::kMostWindow);
+      !fits) {
     return fits.error();
   }
   synthesis.window = static_cast<int>(message.window());

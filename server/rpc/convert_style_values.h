@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <cstdint>
+#include <map>
+#include <memory>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -33,13 +36,27 @@ auto ToList(const Message& messages, const std::string& field, int most, const C
   return list;
 }
 
+/// Decodes the PNG files of one style: a few bytes can hold millions of pixels, so all together may
+/// have as many as two of the largest, and files that are equal are decoded once.
+class ImageReader {
+ public:
+  /// Null for an empty file. INVALID_ARGUMENT naming `field`; RESOURCE_EXHAUSTED above the pixels.
+  [[nodiscard]] Result<std::shared_ptr<const styling::MapImage>> Read(const std::string& png,
+                                                                      const std::string& field);
+
+ private:
+  static constexpr int64_t kMaxPixels = int64_t{2} << 24;
+  int64_t pixels_ = 0;
+  std::map<std::string, std::shared_ptr<const styling::MapImage>> read_;  // By their bytes.
+};
+
 /// @param unset  its value where it says none.
 [[nodiscard]] Result<styling::ScalpMap> ToMap(const v1::ScalpMap& message, double unset,
-                                              const std::string& field);
+                                              const std::string& field, ImageReader* images);
 [[nodiscard]] Result<styling::Region::HalfSpace> ToHalfSpace(
     const v1::ScalpRegion::HalfSpace& message, const std::string& field);
 [[nodiscard]] Result<styling::Region> ToRegion(const v1::ScalpRegion& message,
-                                               const std::string& field);
+                                               const std::string& field, ImageReader* images);
 /// @param unset  where no form is set.
 [[nodiscard]] Result<styling::Distribution> ToDistribution(const v1::Distribution& message,
                                                            const styling::Distribution& unset,

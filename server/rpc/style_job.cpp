@@ -23,6 +23,8 @@ constexpr double kWritten = 0.4;
 constexpr double kImported = 0.95;
 // Of the request id of a job's groom: it is made once, even if the job is run again.
 constexpr std::string_view kRequestPrefix = "style-";
+// Members' control points that a kept stylist may hold: some 200 MB with what belongs to them.
+constexpr size_t kMostKeptPoints = 8'000'000;
 // Strands that are imported between two looks at progress.
 constexpr size_t kStrandsPerStep = 64;
 
@@ -95,6 +97,26 @@ Result<groom::Import> ImportMasters(const styling::Masters& masters,
   return all;
 }
 
+Result<void> AdmitSeconds(double seconds, int wisps, const groom::Limits& limits) {
+  if (seconds <= limits.max_import_cost_s) return {};
+  return Error{ErrorCode::kResourceExhausted,
+               fmt::format("{} master strands would take {:.0f} s to become guides; at most {:.0f} "
+                           "s are allowed: use fewer wisps, longer segments, or fewer elements a "
+                           "guide",
+                           wisps, seconds, limits.max_import_cost_s),
+               "header.style.wisp_count"};
+}
+
+// The same as AdmitStyle, now that the masters' control points are known.
+Result<void> AdmitImport(const styling::Masters& masters, const groom::ImportOptions& guides,
+                         const groom::Limits& limits) {
+  double seconds = 0;
+  for (const groom::ImportedStrand& strand : styling::ToStrands(masters)) {
+    seconds += groom::ImportCost(strand.points.size(), guides);
+  }
+  return AdmitSeconds(seconds, masters.wisps(), limits);
+}
+
 }  // namespace
 
 Result<groom::ImportOptions> ToGuideOptions(const v1::ApplyStyleHeader& header) {
@@ -123,14 +145,7 @@ Result<void> AdmitStyle(const styling::Style& style, const groom::ImportOptions&
     return groom::TooMany("header.style.strand_count", "hairs", style.strand_count,
                           limits.max_hairs);
   }
-  // Masters have some 30 control points; what they really have shows when the style is applied.
-  const double seconds = style.wisp_count * groom::ImportCost(30, guides);
-  if (seconds <= limits.max_import_cost_s) return {};
-  return Error{ErrorCode::kResourceExhausted,
-               fmt::format("{} master strands would take {:.0f} s to become guides; at most {:.0f} "
-                           "s are allowed: use fewer wisps, or fewer elements a guide",
-                           style.wisp_count, seconds, limits.max_import_cost_s),
-               "header.style.wisp_count"};
+  return AdmitSeconds(style.wisp_count * groom::ImportCost(2, guides), style.wisp_count, limits);
 }
 
 std::string StyledBy(const std::string& request_id) {
@@ -160,14 +175,16 @@ Result<void> StyleJobs::Run(const std::string& job, jobs::JobContext& context) {
     if (!obstacles) return obstacles.error();
     head.stylist = std::make_unique<styling::Stylist>(parts->scalp, *std::move(obstacles));
   }
-  const auto hairstyle =
+  auto hairstyle =
       head.stylist->Apply(*style, "header.style", pool_, cancelled,
                           [&context](double done) { context.Progress(kStyled * done); });
+  const styling::StageTimes times = head.stylist->times();
+  Keep(std::move(head), hairstyle ? (*hairstyle)->members.points.size() : 0);
   if (context.Cancelled()) return jobs::JobContext::StoppedError();
   if (!hairstyle) return hairstyle.error();
   const styling::Hairstyle& h = **hairstyle;
-  v1::StyleReport report = MakeReport(*style, h, head.stylist->times());
-  Keep(std::move(head));
+  if (const auto ok = AdmitImport(h.masters, *options, library_.limits()); !ok) return ok;
+  v1::StyleReport report = MakeReport(*style, h, times);
 
   if (const auto ok = WriteHairstyle(*style, h, context); !ok) return ok;
   context.Progress(kWritten);
@@ -177,8 +194,11 @@ Result<void> StyleJobs::Run(const std::string& job, jobs::JobContext& context) {
   GroomLibrary::Draft draft{
       spec.header().groom_id(), std::string(kRequestPrefix) + job, *std::move(parts), {}, {}};
   draft.contact = *std::move(contact);
+  if (context.Cancelled()) return jobs::JobContext::StoppedError();
   draft.parts.hairs = std::make_shared<const groom::Hairs>(
       styling::ToHairs(h.roots, h.masters, h.members, h.colours, import->guides, import->rest));
+  hairstyle = Error();  // Not needed any more, and large.
+  if (context.Cancelled()) return jobs::JobContext::StoppedError();
   FromImport(*options, import->outcomes, &draft.import_report.emplace());
   draft.parts.guides = std::move(import->guides);
   draft.parts.rest = std::move(import->rest);
@@ -204,7 +224,8 @@ StyleJobs::LastHead StyleJobs::Take(const StoredStyle& spec) {
   return {bytes, std::move(last_.stylist)};
 }
 
-void StyleJobs::Keep(LastHead head) {
+void StyleJobs::Keep(LastHead head, size_t points) {
+  if (points > kMostKeptPoints) head.stylist.reset();
   std::lock_guard lock(mutex_);
   last_ = std::move(head);
 }

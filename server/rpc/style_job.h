@@ -50,7 +50,8 @@ class StyleJobs {
   // The stylist of the head that `spec` says, if it was the last one; else none. Another job of the
   // same head makes its own meanwhile.
   LastHead Take(const StoredStyle& spec);
-  void Keep(LastHead head);
+  // `points` its members have; a stylist of many is not kept.
+  void Keep(LastHead head, size_t points);
 
   GroomLibrary& library_;
   exec::WorkerPool& pool_;

@@ -17,7 +17,7 @@ namespace {
 
 constexpr size_t kBytesPerPart = 512 * 1024;
 constexpr int kMapSize = 512;    // Pixels.
-constexpr int kFieldNodes = 65;  // Along an axis, at most.
+constexpr int kFieldNodes = 41;  // Along an axis, at most.
 
 template <typename Entry>
 void Append(const Entry& entry, std::string* bytes) {

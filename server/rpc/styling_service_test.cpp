@@ -13,6 +13,7 @@
 #include "rpc/convert_style.h"
 #include "rpc/style_presets.h"
 #include "rpc/test_server.h"
+#include "styling/png_image.h"
 #include "styling/stylist.h"
 
 namespace mane::rpc {
@@ -220,6 +221,21 @@ TEST_F(StylingServiceTest, WhatIsWrongIsNamed) {
             "header.style.operations[0].tie.radius_m");
   EXPECT_EQ(field([](Header h) { h->mutable_style()->add_queues(); }),
             "header.style.queues[0].constraints");
+}
+
+// A few kilobytes that hold millions of pixels each.
+TEST_F(StylingServiceTest, ImagesOfAStyleHaveABudget) {
+  auto header = SmallHeader();
+  std::vector<float> values(size_t{4096} * 4096, 1.0F);
+  for (int i = 0; i < 3; ++i) {
+    values[0] = static_cast<float>(i) / 4;  // Equal ones count once.
+    auto* regional = header.mutable_style()->add_regional();
+    regional->mutable_region()->set_mask_png(styling::EncodePng({4096, 4096, values}));
+  }
+  v1::Job job;
+  const grpc::Status status = Apply(header, &job);
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED) << status.error_message();
+  EXPECT_EQ(NamedField(status), "header.style.regional[2].region.mask_png");
 }
 
 // What shows only when the style is applied fails the job, which says so.

@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr long kMostQueues = 64;
+constexpr long kMostQueues = 2560;  // Of the style's own 256, and of 256 braids.
 constexpr long kMostConstraints = 64;
 constexpr size_t kMostPoints = 4096;
 constexpr groom::Range kCoordinate{-100, 100, "m"};

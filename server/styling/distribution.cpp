@@ -51,6 +51,8 @@ double LowerTail(double u) {
           1);
 }
 
+constexpr double kLeastDensity = 1e-100;  // Their integral must not vanish.
+
 Result<void> ValidateDensities(const std::vector<double>& densities, const std::string& field) {
   if (densities.size() < 2 || densities.size() > kMostDensities) {
     return InvalidArgument(field, fmt::format("{} has {} densities; it must have 2 to {}", field,
@@ -64,8 +66,9 @@ Result<void> ValidateDensities(const std::vector<double>& densities, const std::
     }
     largest = std::max(largest, densities[i]);
   }
-  if (largest > 0) return {};
-  return InvalidArgument(field, fmt::format("{} are all 0; one must be positive", field));
+  if (largest >= kLeastDensity) return {};
+  return InvalidArgument(
+      field, fmt::format("{} are all below {}; one must be more", field, kLeastDensity));
 }
 
 // As mane.v1.Distribution spells it.

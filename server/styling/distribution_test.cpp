@@ -98,6 +98,7 @@ TEST(DistributionTest, FaultsAreNamed) {
   EXPECT_EQ(field({Form::kNormal, 1.5, -1, 1, 2, {}}), "l.normal.deviation");
   EXPECT_EQ(field({Form::kSampled, 0, 0, 1, 2, {1}}), "l.sampled.densities");
   EXPECT_EQ(field({Form::kSampled, 0, 0, 1, 2, {0, 0}}), "l.sampled.densities");
+  EXPECT_EQ(field({Form::kSampled, 0, 0, 1, 2, {5e-324, 5e-324}}), "l.sampled.densities");
   EXPECT_EQ(field({Form::kSampled, 0, 0, 1, 2, {0, 1, -1}}), "l.sampled.densities[2]");
 }
 

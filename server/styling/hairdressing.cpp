@@ -16,37 +16,39 @@ constexpr int kPointsPerPeriod = 16;
 constexpr size_t kMostPoints = 1000;
 
 // The queue of hair of `region`, if none dealt out into shares.
-ConstraintQueue& QueueOf(const Region& region, const char* name, Style* style) {
+ConstraintQueue& QueueOf(const Operation& operation, const char* name, Style* style) {
+  const Region& region = operation.region;
   for (ConstraintQueue& queue : style->queues) {
     if (queue.share_count <= 1 && queue.selection == region) return queue;
   }
-  style->queues.push_back({name, region, 0, 1, {}});
+  style->queues.push_back({name, operation.source, region, 0, 1, {}});
   return style->queues.back();
 }
 
 struct Dresser {
-  const Region& region;
+  const Operation& operation;
   Style* style;
 
   void operator()(const Operation::Trim& trim) const {
-    style->cuts.push_back({region, trim.length, trim.plane});
+    style->cuts.push_back({operation.region, trim.length, trim.plane});
   }
   void operator()(const Operation::Wave& wave) const {
-    style->regional.push_back({region, wave.synthesis});
+    style->regional.push_back({operation.region, wave.synthesis});
   }
   void operator()(const Operation::Comb& comb) const {
-    QueueOf(region, "comb", style)
+    QueueOf(operation, "comb", style)
         .constraints.push_back({Constraint::Kind::kDirection, comb.path, comb.radius, comb.weight});
   }
   void operator()(const Operation::Tie& tie) const {
-    QueueOf(region, "tie", style)
+    QueueOf(operation, "tie", style)
         .constraints.push_back({Constraint::Kind::kPoint, {tie.point}, tie.radius, 1});
   }
   void operator()(const Operation::Braid& braid) const {
     // What led the hair so far leads each of its parts.
-    ConstraintQueue before{"braid", region, 0, 1, {}};
+    const Region& region = operation.region;
+    ConstraintQueue before{"braid", operation.source, region, 0, 1, {}};
     const auto same = std::find_if(style->queues.begin(), style->queues.end(),
-                                   [this](const ConstraintQueue& queue) {
+                                   [&region](const ConstraintQueue& queue) {
                                      return queue.share_count <= 1 && queue.selection == region;
                                    });
     if (same != style->queues.end()) {
@@ -76,7 +78,7 @@ struct Dresser {
 }  // namespace
 
 void Dress(const Operation& operation, Style* style) {
-  std::visit(Dresser{operation.region, style}, operation.what);
+  std::visit(Dresser{operation, style}, operation.what);
 }
 
 std::vector<Eigen::Vector3d> BraidStrand(const std::vector<Eigen::Vector3d>& axis, int strand,

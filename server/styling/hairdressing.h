@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 
+#include <string>
 #include <variant>
 #include <vector>
 
@@ -33,11 +34,12 @@ struct Operation {
   struct Braid {
     std::vector<Eigen::Vector3d> path;  ///< Its axis [m], 2 or more; hair is gathered at the first
                                         ///< and tied at the last.
-    int strand_count = 3;  ///< 2 to 9.
-    double radius = 0.02;  ///< Half its width [m].
-    double period = 0.1;   ///< Along the axis, until each strand is back in its place [m].
+    int strand_count = 3;               ///< 2 to 9.
+    double radius = 0.02;               ///< Half its width [m].
+    double period = 0.1;  ///< Along the axis, until each strand is back in its place [m].
   };
 
+  std::string source;  ///< Its path, which errors name: `header.style.operations[1]`.
   Region region;
   std::variant<Trim, Wave, Comb, Tie, Braid> what;
 };

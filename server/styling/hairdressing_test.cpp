@@ -19,8 +19,8 @@ Region Back() {
 
 TEST(HairdressingTest, CuttingAndWavingTouchTheirRegionOnly) {
   Style style;
-  Dress({Back(), Operation::Trim{0.1, {}}}, &style);
-  Dress({Back(), Operation::Wave{{{StrandKind::kCurly, 0, 0, {}}, 0, 0}}}, &style);
+  Dress({"", Back(), Operation::Trim{0.1, {}}}, &style);
+  Dress({"", Back(), Operation::Wave{{{StrandKind::kCurly, 0, 0, {}}, 0, 0}}}, &style);
   ASSERT_EQ(style.cuts.size(), 1U);
   EXPECT_TRUE(style.cuts[0].region == Back());
   EXPECT_EQ(style.cuts[0].length, 0.1);
@@ -32,9 +32,10 @@ TEST(HairdressingTest, CuttingAndWavingTouchTheirRegionOnly) {
 
 TEST(HairdressingTest, WhatIsDoneToTheSameHairFollowsInOneQueue) {
   Style style;
-  Dress({Back(), Operation::Comb{{Vector3d(0, 0.1, 0), Vector3d(0, 0, -0.1)}, 0.05, 0.7}}, &style);
-  Dress({Back(), Operation::Tie{Vector3d(0, 0, -0.12), 0.02}}, &style);
-  Dress({{}, Operation::Tie{Vector3d(0, 0.1, 0), 0.02}}, &style);
+  Dress({"", Back(), Operation::Comb{{Vector3d(0, 0.1, 0), Vector3d(0, 0, -0.1)}, 0.05, 0.7}},
+        &style);
+  Dress({"", Back(), Operation::Tie{Vector3d(0, 0, -0.12), 0.02}}, &style);
+  Dress({"", {}, Operation::Tie{Vector3d(0, 0.1, 0), 0.02}}, &style);
   ASSERT_EQ(style.queues.size(), 2U);
   ASSERT_EQ(style.queues[0].constraints.size(), 2U);
   EXPECT_EQ(style.queues[0].constraints[0].kind, Constraint::Kind::kDirection);
@@ -45,8 +46,8 @@ TEST(HairdressingTest, WhatIsDoneToTheSameHairFollowsInOneQueue) {
 
 TEST(HairdressingTest, ABraidDealsItsHairOutAndKeepsWhatLedItThere) {
   Style style;
-  Dress({Back(), Operation::Tie{Vector3d(0, 0, -0.12), 0.02}}, &style);
-  Dress({Back(), Operation::Braid{{Vector3d(0, 0, -0.12), Vector3d(0, -0.4, -0.14)}}}, &style);
+  Dress({"", Back(), Operation::Tie{Vector3d(0, 0, -0.12), 0.02}}, &style);
+  Dress({"", Back(), Operation::Braid{{Vector3d(0, 0, -0.12), Vector3d(0, -0.4, -0.14)}}}, &style);
   ASSERT_EQ(style.queues.size(), 3U);
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(style.queues[i].share, i);

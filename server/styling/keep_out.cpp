@@ -121,7 +121,10 @@ Vector3f KeepOut::TurnOut(const Vector3f& joint, const Vector3f& tip) const {
     if (out.squaredNorm() == 0) break;
     p = q + length * out.normalized();
   }
-  return p.cast<float>();
+  const double rest = At(p).distance;
+  if (rest >= 0) return p.cast<float>();
+  const Vector3f d = (p - q).cast<float>();
+  return joint + Shorten(joint, d, static_cast<float>(rest)) * d;
 }
 
 }  // namespace mane::styling

@@ -33,8 +33,8 @@ class KeepOut {
   [[nodiscard]] float Shorten(const Eigen::Vector3f& base, const Eigen::Vector3f& d,
                               float distance) const;
 
-  /// Turns `tip` about `joint` out of the gathered, which keeps its distance to it to rounding.
-  /// Leaves a rest where `joint` is itself deeper inside than that distance.
+  /// Turns `tip` about `joint` out of the gathered, which keeps its distance to it to rounding;
+  /// where turning does not lead out, shortens what leads there instead.
   [[nodiscard]] Eigen::Vector3f TurnOut(const Eigen::Vector3f& joint,
                                         const Eigen::Vector3f& tip) const;
 

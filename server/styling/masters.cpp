@@ -71,15 +71,25 @@ double LengthWithin(const Region::HalfSpace& plane, const Masters& masters, int 
 
 }  // namespace
 
-double MasterLength(const Style& style, const ScalpChart& chart, const Eigen::Vector3d& root,
-                    uint32_t wisp) {
-  double length = ValueAt(style.length, chart.At(root));
-  for (const Cut& cut : style.cuts) {
-    if (cut.length && *cut.length < length && Contains(cut.region, chart, root, wisp)) {
-      length = *cut.length;
+std::vector<double> LengthsOf(const ScalpMap& map, const Roots& roots, const ScalpChart& chart) {
+  std::vector<double> lengths;
+  for (const groom::ScalpPoint& root : roots.masters) {
+    lengths.push_back(ValueAt(map, chart.At(root.position)));
+  }
+  return lengths;
+}
+
+void CutByLength(const std::vector<Cut>& cuts, const Roots& roots, const ScalpChart& chart,
+                 std::vector<double>* lengths) {
+  for (const Cut& cut : cuts) {
+    if (!cut.length) continue;
+    for (int wisp = 0; wisp < roots.wisps(); ++wisp) {
+      const Eigen::Vector3d& root = roots.masters[wisp].position;
+      if (*cut.length >= (*lengths)[wisp]) continue;
+      if (!Contains(cut.region, chart, root, static_cast<uint32_t>(wisp))) continue;
+      (*lengths)[wisp] = *cut.length;
     }
   }
-  return length;
 }
 
 void LeaveOutBald(Roots* roots, std::vector<double>* lengths) {
@@ -109,7 +119,7 @@ Result<Masters> MakeMasters(const Style& style, const Roots& roots, const ScalpC
   masters.first_joint.push_back(0);
   long joints = 0;
   for (int wisp = 0; wisp < wisps; ++wisp) {
-    const double length = std::max(lengths[wisp], style.segment_length);
+    const double length = std::max(lengths[wisp], kLeastLeft * style.segment_length);
     const double reach = Reach(style.member_length, length, style.radii);
     joints += static_cast<long>(std::ceil(reach / style.segment_length - 1e-9)) + 1;
     if (joints > max_joints) {

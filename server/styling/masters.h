@@ -12,10 +12,13 @@
 
 namespace mane::styling {
 
-/// Length of the master strand that grows at a scalp point [m]: the style's map, and what cuts by
-/// length leave of it.
-[[nodiscard]] double MasterLength(const Style& style, const ScalpChart& chart,
-                                  const Eigen::Vector3d& root, uint32_t wisp);
+/// Lengths of master strands by a style's map [m], (wisps).
+[[nodiscard]] std::vector<double> LengthsOf(const ScalpMap& map, const Roots& roots,
+                                            const ScalpChart& chart);
+
+/// Shortens what cuts by length do, by the numbers that wisps have in `roots`.
+void CutByLength(const std::vector<Cut>& cuts, const Roots& roots, const ScalpChart& chart,
+                 std::vector<double>* lengths);
 
 /// Takes out the wisps whose masters have no length, with their members; numbers of the others
 /// close up.
@@ -27,9 +30,9 @@ void LeaveOutBald(Roots* roots, std::vector<double>* lengths);
 /// set, places are up to the solver.
 ///
 /// A master has a joint every `segment_length` as far as its members may need (Reach); its own
-/// length is the map's, at least a segment.
+/// length is the map's, at least a tenth of a segment.
 ///
-/// @param lengths     MasterLength of each wisp [m], > 0.
+/// @param lengths     of each master [m], > 0.
 /// @param max_joints  of all masters.
 /// @param field       path of the style, for errors.
 /// @return RESOURCE_EXHAUSTED naming `segment_length_m` above `max_joints`. The same bits for any

@@ -44,7 +44,7 @@ double Reach(const Distribution& length, double master_length, std::span<const d
 
 Members MakeMembers(const Roots& roots, const Masters& masters, const Obstacles& obstacles,
                     const Distribution& length, std::span<const double> radii, double fuzziness,
-                    uint64_t seed, exec::WorkerPool& pool) {
+                    uint64_t seed, exec::WorkerPool& pool, const base::Cancelled& cancelled) {
   MANE_CHECK(roots.wisps() == masters.wisps() && !radii.empty());
   const Quantile quantile(length);
   const std::vector<size_t> place = Places(roots, masters);
@@ -54,6 +54,7 @@ Members MakeMembers(const Roots& roots, const Masters& masters, const Obstacles&
   pool.ParallelFor(roots.wisps(), kGrain, [&](int begin, int end) {
     WispGrower grower(masters, obstacles, quantile, radii, fuzziness, seed);
     for (int wisp = begin; wisp < end; ++wisp) {
+      if (base::IsCancelled(cancelled)) return;
       const uint32_t first = roots.first_member[wisp];
       const uint32_t n = roots.first_member[wisp + 1] - first;
       if (n == 0) continue;

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <span>
 
+#include "base/cancelled.h"
 #include "exec/worker_pool.h"
 #include "styling/hairstyle.h"
 #include "styling/obstacles.h"
@@ -37,11 +38,12 @@ namespace mane::styling {
 ///                   length along its outline), linear between and constant beyond; one or more,
 ///                   each >= 0. Where it is 0 all strands meet in the master.
 /// @param fuzziness  sigma >= 0; 0 scales the displacement of the root.
+/// @param cancelled  asked now and then; then strands are missing, and the result is of no use.
 /// @return the same bits for any number of workers; strand i depends on its wisp and (seed, i)
 /// only. Memory: 12 bytes a strand and joint of its master, while it runs.
 [[nodiscard]] Members MakeMembers(const Roots& roots, const Masters& masters,
                                   const Obstacles& obstacles, const Distribution& length,
                                   std::span<const double> radii, double fuzziness, uint64_t seed,
-                                  exec::WorkerPool& pool);
+                                  exec::WorkerPool& pool, const base::Cancelled& cancelled = {});
 
 }  // namespace mane::styling

@@ -206,6 +206,17 @@ Result<MapImage> DecodePng(std::span<const std::byte> png, const std::string& fi
   return image;
 }
 
+int64_t PixelsOf(std::span<const std::byte> png) {
+  constexpr size_t kWidthAt = 16, kHeightAt = 20, kHeaderEnd = 24;  // Of IHDR, big-endian.
+  if (png.size() < kHeaderEnd) return 0;
+  const auto number = [png](size_t at) {
+    int64_t n = 0;
+    for (size_t i = at; i < at + 4; ++i) n = 256 * n + std::to_integer<int64_t>(png[i]);
+    return n;
+  };
+  return number(kWidthAt) * number(kHeightAt);
+}
+
 std::string EncodePng(const MapImage& image) {
   MANE_CHECK(Validate(image, "image"));
   std::string png;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 
@@ -19,6 +20,10 @@ namespace mane::styling {
 /// @return INVALID_ARGUMENT where `png` is no whole PNG image of 1 to 4096 pixels a side. Sizes are
 ///         checked before memory is taken for them; then it is that of the result and of a row.
 [[nodiscard]] Result<MapImage> DecodePng(std::span<const std::byte> png, const std::string& field);
+
+/// Pixels that the header of a PNG image says, 0 where it has none: what DecodePng would take
+/// memory for.
+[[nodiscard]] int64_t PixelsOf(std::span<const std::byte> png);
 
 /// `image`, which is valid, as a grey PNG of 16 bits: values come back within 1 / 131070. The same
 /// image makes the same bytes.

@@ -208,5 +208,11 @@ TEST(PngImageTest, AbsurdSizesAreRefusedBeforeMemoryIsTaken) {
   EXPECT_EQ(largest->values[4095], 1);
 }
 
+TEST(PngImageTest, PixelsAreToldBeforeTheyAreDecoded) {
+  const std::string png = EncodePng({7, 3, std::vector<float>(21)});
+  EXPECT_EQ(PixelsOf(std::as_bytes(std::span(png))), 21);
+  EXPECT_EQ(PixelsOf(std::as_bytes(std::span(png).first(20))), 0);
+}
+
 }  // namespace
 }  // namespace mane::styling

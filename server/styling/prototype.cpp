@@ -130,11 +130,11 @@ Result<void> CheckSize(const Prototype& prototype, const std::string& field) {
 
 Error TooCoarse(const std::string& field, double period, double segment_length) {
   return InvalidArgument(
-      field, fmt::format("{} has a period of {:.3g} m along the strand, and segments of {:.3g} m "
-                         "make fewer than {:.0f} control points of it; use a segment_length of at "
-                         "most {:.3g} m, or a longer period",
-                         field, period, segment_length, kLeastControlPoints,
-                         period / kLeastControlPoints));
+      field, fmt::format(
+                 "{} has a period of {:.3g} m along the strand, and segments of {:.3g} m "
+                 "make fewer than {:.0f} control points of it; use a segment_length_m of at "
+                 "most {:.3g} m, or a longer period",
+                 field, period, segment_length, kLeastControlPoints, period / kLeastControlPoints));
 }
 
 Pattern PatternOf(const Decomposition& decomposition, double segment_length) {
@@ -161,13 +161,17 @@ Result<Pattern> ShippedDetails(const Prototype& prototype, double segment_length
     return InvalidArgument(
         field + ".period_m",
         fmt::format("{}.period_m is {:.3g} m, more than {} segments of {:.3g} m; use a shorter "
-                    "period, or a segment_length of at least {:.3g} m",
+                    "period, or a segment_length_m of at least {:.3g} m",
                     field, size.period, (kMostDetails - 1) / kLeastPeriods, segment_length,
                     size.period * kLeastPeriods / (kMostDetails - 1)));
   }
   const int periods = std::min(kMostPeriods, room);
   const auto points = ShippedStrand(prototype.kind, size, periods);
-  return PatternOf(Decompose(points, segment_length, Length(points) / periods), segment_length);
+  Pattern pattern =
+      PatternOf(Decompose(points, segment_length, Length(points) / periods), segment_length);
+  // The outline of wide curls is longer than the axis that `room` counts: fewer turns are kept.
+  if (pattern.details.size() > kMostDetails) pattern.details.resize(kMostDetails);
+  return pattern;
 }
 
 }  // namespace

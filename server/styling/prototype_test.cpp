@@ -124,7 +124,7 @@ TEST(PrototypeTest, FaultsAreNamed) {
 TEST(PrototypeTest, ACoarseSpacingSaysWhatToDo) {
   const auto pattern = PrototypeDetails({StrandKind::kKinky, 0, 0, {}}, 0.01, "style.prototype");
   ASSERT_FALSE(pattern.has_value());
-  EXPECT_NE(pattern.error().message.find("segment_length of at most 0.0015 m"), std::string::npos)
+  EXPECT_NE(pattern.error().message.find("segment_length_m of at most 0.0015 m"), std::string::npos)
       << pattern.error().message;
   Prototype drawn;
   for (int i = 0; i <= 500; ++i) {
@@ -132,6 +132,18 @@ TEST(PrototypeTest, ACoarseSpacingSaysWhatToDo) {
   }
   EXPECT_EQ(FaultOf(drawn, 0.01), "p.points");
   EXPECT_EQ(FaultOf(drawn, 0.002), "");
+}
+
+// Wide curls have a longer outline than their axis; they are not refused, and not too long.
+TEST(PrototypeTest, CurlsOfAnyWidthStayWithinTheMostDetails) {
+  for (const StrandKind kind :
+       {StrandKind::kWavy, StrandKind::kCurly, StrandKind::kFuzzy, StrandKind::kKinky}) {
+    for (const double amplitude : {0.01, 0.1, 0.3, 1.0}) {
+      const auto pattern = PrototypeDetails({kind, amplitude, 0, {}}, 1.2e-3, "prototype");
+      ASSERT_TRUE(pattern) << pattern.error().message;
+      EXPECT_LE(pattern->details.size(), static_cast<size_t>(kMostDetails));
+    }
+  }
 }
 
 }  // namespace

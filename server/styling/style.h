@@ -117,7 +117,8 @@ struct Constraint {
 
 /// Constraints that a selected portion of the hair meets one after the other.
 struct ConstraintQueue {
-  std::string name;  ///< For reports.
+  std::string name;    ///< For reports.
+  std::string source;  ///< Path of the operation that made it, which errors name; empty for none.
   Region selection;
   /// Of a braid or of strands that part: the selected wisps are dealt out by azimuth, or for
   /// `share_count` > 1 this queue takes every wisp of the `share`-th of so many equal parts.

@@ -9,7 +9,9 @@
 #include <utility>
 
 #include "base/clock.h"
+#include "groom/hairs.h"
 #include "groom/range.h"
+#include "math/random.h"
 #include "styling/colour.h"
 #include "styling/constraint.h"
 #include "styling/distribution.h"
@@ -28,7 +30,7 @@ namespace {
 // Streams of a style's seed that stages draw from; strands and wisps count on from them.
 enum SeedOf : uint64_t { kRootSeed = 1, kMasterSeed, kMemberSeed, kColourSeed };
 
-uint64_t StageSeed(uint64_t seed, SeedOf stage) { return seed * 8 + stage; }
+uint64_t StageSeed(uint64_t seed, SeedOf stage) { return math::RandomStream(seed, stage).Bits(); }
 
 // What a stage was made of, the stages that it builds on among them by their version.
 using RootsKey = std::tuple<uint64_t, ScalpMap, ScalpMap, std::vector<Cut>, int, int>;
@@ -75,8 +77,14 @@ Result<void> CheckPoints(const Roots& roots, const Masters& masters, long max_po
                          const std::string& field) {
   long points = 0;
   for (int wisp = 0; wisp < roots.wisps(); ++wisp) {
-    points += long{roots.first_member[wisp + 1] - roots.first_member[wisp]} *
-              long{masters.first_joint[wisp + 1] - masters.first_joint[wisp]};
+    const long joints = masters.first_joint[wisp + 1] - masters.first_joint[wisp];
+    points += long{roots.first_member[wisp + 1] - roots.first_member[wisp]} * joints;
+    if (joints <= groom::kMaxHairPoints) continue;
+    return Error{ErrorCode::kResourceExhausted,
+                 fmt::format("{}.segment_length_m is {} m, which gives the longest hair {} control "
+                             "points; at most {} are allowed: use longer segments, or shorter hair",
+                             field, masters.segment_length, joints, groom::kMaxHairPoints),
+                 field + ".segment_length_m"};
   }
   if (points <= max_points) return {};
   return Error{ErrorCode::kResourceExhausted,
@@ -130,6 +138,20 @@ SolverInput MakeSolverInput(const Style& style, const Roots& roots, const Master
   return input;
 }
 
+// Of an error about a queue that an operation made, the operation.
+Error NameSource(Error error, const Style& style, const std::string& field) {
+  for (size_t i = 0; i < style.queues.size(); ++i) {
+    const std::string queue = fmt::format("{}.queues[{}]", field, i);
+    const std::string& source = style.queues[i].source;
+    if (source.empty() || !error.field.starts_with(queue)) continue;
+    error.field = source;
+    const size_t at = error.message.find(queue);
+    if (at != std::string::npos) error.message.replace(at, queue.size(), source);
+    break;
+  }
+  return error;
+}
+
 // Measures a stage.
 class Watch {
  public:
@@ -170,6 +192,14 @@ Result<std::shared_ptr<const Hairstyle>> Stylist::Apply(const Style& style,
                                                         exec::WorkerPool& pool,
                                                         const base::Cancelled& cancelled,
                                                         const Progress& progress) {
+  auto made = Make(style, field, pool, cancelled, progress);
+  return made ? made : NameSource(made.error(), style, field);
+}
+
+Result<std::shared_ptr<const Hairstyle>> Stylist::Make(const Style& style, const std::string& field,
+                                                       exec::WorkerPool& pool,
+                                                       const base::Cancelled& cancelled,
+                                                       const Progress& progress) {
   // Of a run on two cores: where a stage ends.
   constexpr double kRootsDone = 0.2, kMastersDone = 0.25, kDeformed = 0.7, kMembersDone = 0.95;
   const auto tell = [&progress](double done) {
@@ -196,7 +226,11 @@ Result<std::shared_ptr<const Hairstyle>> Stylist::Apply(const Style& style,
     const Watch watch(&times_.members);
     made.members =
         MakeMembers(made.roots, made.masters, obstacles_, style.member_length, style.radii,
-                    style.fuzziness, StageSeed(style.seed, kMemberSeed), pool);
+                    style.fuzziness, StageSeed(style.seed, kMemberSeed), pool, cancelled);
+    if (base::IsCancelled(cancelled)) {
+      kept_->members.Fail();
+      return base::CancelledError();
+    }
   }
   tell(kMembersDone);
   if (kept_->colours.Renew({kept_->roots.version, style.seed, style.colour})) {
@@ -220,12 +254,10 @@ Result<void> Stylist::MakeRoots(const Style& style, const std::string& field,
     kept_->roots.Fail();
     return Error{roots.error().code, roots.error().message, field + "." + roots.error().field};
   }
-  kept_->lengths.clear();
-  for (int wisp = 0; wisp < roots->wisps(); ++wisp) {
-    kept_->lengths.push_back(
-        MasterLength(style, chart_, roots->masters[wisp].position, static_cast<uint32_t>(wisp)));
-  }
+  kept_->lengths = LengthsOf(style.length, *roots, chart_);
   LeaveOutBald(&*roots, &kept_->lengths);
+  // After it, so that the numbers of wisps in regions mean the same everywhere.
+  CutByLength(style.cuts, *roots, chart_, &kept_->lengths);
   if (roots->wisps() == 0) {
     kept_->roots.Fail();
     return InvalidArgument(field + ".length",

@@ -22,7 +22,7 @@ namespace mane::styling {
 /// How large a hairstyle may become. What exceeds a limit is refused with RESOURCE_EXHAUSTED.
 struct StyleLimits {
   long max_joints = 10'000'000;  ///< Of all masters; 70 bytes each.
-  long max_points = 60'000'000;  ///< Of all members, by their masters' joints; 24 bytes each.
+  long max_points = 40'000'000;  ///< Of all members, by their masters' joints; 24 bytes each.
 };
 
 /// What a style made of a head.
@@ -77,6 +77,11 @@ class Stylist {
  private:
   struct Kept;
 
+  [[nodiscard]] Result<std::shared_ptr<const Hairstyle>> Make(const Style& style,
+                                                              const std::string& field,
+                                                              exec::WorkerPool& pool,
+                                                              const base::Cancelled& cancelled,
+                                                              const Progress& progress);
   [[nodiscard]] Result<void> MakeRoots(const Style& style, const std::string& field,
                                        exec::WorkerPool& pool);
   [[nodiscard]] Result<void> MakeMasters(const Style& style, const std::string& field,

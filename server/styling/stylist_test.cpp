@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "styling/guides.h"
+#include "styling/hairdressing.h"
 
 namespace mane::styling {
 namespace {
@@ -134,6 +135,62 @@ TEST_F(StylistTest, NothingGrowsWhereTheLengthIsZero) {
   EXPECT_EQ(none.error().field, "style.length");
 }
 
+// Also where others grow nothing, and whichever way hair is cut.
+TEST_F(StylistTest, NumbersOfWispsMeanThoseThatGrow) {
+  Stylist stylist(Head(), HeadShape());
+  Style style = Short();
+  style.length.value = 0.3;
+  style.length.by_polar = {{0.8, 1}, {0.8001, 0}};
+  Region first;
+  first.wisps = {0, 1, 2};
+  for (const Cut& cut :
+       {Cut{first, 0.1, {}}, Cut{first, {}, Region::HalfSpace{Vector3d::UnitY(), 0.09}}}) {
+    style.cuts = {cut};
+    const auto made = Apply(stylist, style);
+    ASSERT_TRUE(made);
+    for (int wisp = 0; wisp < (*made)->roots.wisps(); ++wisp) {
+      EXPECT_EQ((*made)->masters.length[wisp] < 0.29F, wisp < 3) << wisp;
+    }
+  }
+}
+
+TEST_F(StylistTest, HairMayBeShorterThanASegment) {
+  Stylist stylist(Head(), HeadShape());
+  Style style = Short();
+  style.member_length = {};
+  style.synthesis = {};
+  style.cuts = {{{}, 0.003, {}}};
+  const auto made = Apply(stylist, style);
+  ASSERT_TRUE(made);
+  for (const float length : (*made)->masters.length) EXPECT_FLOAT_EQ(length, 0.003F);
+  for (int i = 0; i < (*made)->members.strands(); ++i) {
+    const auto strand = (*made)->members.strand(i);
+    float length = 0;
+    for (size_t k = 1; k < strand.size(); ++k) length += (strand[k] - strand[k - 1]).norm();
+    EXPECT_NEAR(length, 0.003, 1e-5);
+  }
+  EXPECT_EQ(ToStrands((*made)->masters)[0].points.size(), 2U);
+}
+
+TEST_F(StylistTest, ErrorsNameTheOperationThatIsAtFault) {
+  Stylist stylist(Head(), HeadShape());
+  Style style = Short();
+  Dress({"style.operations[0]", {}, Operation::Tie{Vector3d::Zero(), 0.01}}, &style);
+  const auto made = Apply(stylist, style);
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().field, "style.operations[0]");
+  EXPECT_EQ(made.error().message.find("queues"), std::string::npos);
+}
+
+TEST_F(StylistTest, SeedsThatDifferMakeOtherHair) {
+  Stylist stylist(Head(), HeadShape());
+  Style style = Short();
+  style.seed = 1;
+  const Hairstyle one = **Apply(stylist, style);
+  style.seed += uint64_t{1} << 61;
+  EXPECT_FALSE(Same(**Apply(stylist, style), one));
+}
+
 TEST_F(StylistTest, CutsEndHair) {
   Stylist stylist(Head(), HeadShape());
   Style style = Short();
@@ -169,6 +226,7 @@ TEST_F(StylistTest, BraidsTakePartsOfTheHairThatLieSideBySide) {
   for (int i = 0; i < 3; ++i) {
     style.queues.push_back(
         {"braid",
+         "",
          back,
          i,
          3,
@@ -195,7 +253,7 @@ TEST_F(StylistTest, WhatDoesNotFitTheHeadIsNamed) {
   Region nowhere;
   nowhere.half_spaces = {{Vector3d::UnitY(), 5}};
   const ConstraintQueue tie{
-      "tie", nowhere, 0, 1, {{Constraint::Kind::kPoint, {Vector3d(0, 0, -0.2)}, 0.02, 1}}};
+      "tie", "", nowhere, 0, 1, {{Constraint::Kind::kPoint, {Vector3d(0, 0, -0.2)}, 0.02, 1}}};
   style.queues = {tie};
   EXPECT_EQ(Apply(stylist, style).error().field, "style.queues[0].selection");
 
@@ -208,7 +266,12 @@ TEST_F(StylistTest, WhatDoesNotFitTheHeadIsNamed) {
   EXPECT_EQ(Apply(stylist, style).error().field, "style.queues[0].constraints[0].path[0]");
 
   style = Short();
+  style.length.value = 2;
   style.segment_length = 1e-3;
+  EXPECT_EQ(Apply(stylist, style).error().field, "style.segment_length_m");
+
+  style = Short();
+  style.segment_length = 2e-3;
   Stylist bounded(Head(), HeadShape(), {1000, 1000});
   EXPECT_EQ(Apply(bounded, style).error().code, ErrorCode::kResourceExhausted);
   // A style that failed leaves nothing behind.

@@ -113,7 +113,11 @@ class Style:
     @classmethod
     def load(cls, path: str | os.PathLike) -> Style:
         """The style of a JSON file. InvalidArgument names the file and the field that is wrong."""
-        return cls(style_json.parse(Path(path).read_text(encoding="utf-8"), str(path)))
+        try:
+            text = Path(path).read_text(encoding="utf-8")
+        except UnicodeDecodeError as error:
+            raise InvalidArgument.of(str(path), f"is not UTF-8 text: {error.reason}") from error
+        return cls(style_json.parse(text, str(path)))
 
     @classmethod
     def from_json(cls, text: str) -> Style:
