@@ -48,7 +48,8 @@ MapSampler::Cell MapSampler::MakeCell(int patch, double s0, double s1, double t0
 // Cuts across the longer direction.
 std::pair<MapSampler::Cell, MapSampler::Cell> MapSampler::Halves(const Cell& cell,
                                                                  const MapBounds& bounds) const {
-  const auto& [patch, s0, s1, t0, t1, area, old] = cell;
+  const auto& [number, s0, s1, t0, t1, area, old] = cell;
+  const auto patch = number;  // Which a lambda may name.
   const double s = 0.5 * (s0 + s1), t = 0.5 * (t0 + t1);
   const auto at = [&](double x, double y) { return region_.At(patch, x, y).position; };
   if ((at(s1, t) - at(s0, t)).norm() >= (at(s, t1) - at(s, t0)).norm()) {

@@ -131,7 +131,8 @@ Result<SolverReport> Solver::Run(const base::Cancelled& cancelled, const SolverP
       if (base::IsCancelled(cancelled)) return base::CancelledError();
       const int size = std::min(kBatch, count - begin);
       pool->ParallelFor(size, kGrain, [&](int first, int last) {
-        for (int i = first; i < last; ++i) Grow(now[static_cast<size_t>(begin + i)]);
+        for (int i = first; i < last; ++i)
+          Grow(now[static_cast<size_t>(begin) + static_cast<size_t>(i)]);
       });
       for (int i = begin; i < begin + size; ++i) {
         const Laid& laid = laid_[wisps_[now[static_cast<size_t>(i)]].joint - 1];

@@ -49,9 +49,10 @@ Result<PrototypeModel> PrototypeModel::Make(const Pattern& pattern, const Synthe
   if (smooth) return model;
   model.distance2_.resize(static_cast<size_t>(m) * m + kLanes);  // Next reads a little beyond.
   for (int j = 0; j < m; ++j) {
-    for (int k = 0; k < m; ++k)
+    for (int k = 0; k < m; ++k) {
       model.distance2_[static_cast<size_t>(j) * m + k] =
           (model.details_[j] - model.details_[k]).squaredNorm();
+    }
   }
   return model;
 }
