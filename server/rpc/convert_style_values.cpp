@@ -143,7 +143,7 @@ Result<styling::Synthesis> ToSynthesis(const v1::Synthesis& message, const std::
   }
   const auto ok = CheckCount(path + ".points", std::ssize(points), kMaxPrototypePoints);
   if (!ok) return ok.error();
-  for (const Eigen::Vector3f& p : points) synthesis.prototype.points.push_back(p.cast<double>());
+  for (const Eigen::Vector3f& p : points) synthesis.prototype.points.emplace_back(p.cast<double>());
   if (const auto fits = CheckRange(field + ".window", message.window(), 0, styling::kMostWindow);
       !fits) {
     return fits.error();
