@@ -269,7 +269,8 @@ Result<Import> ImportStrands(std::span<const ImportedStrand> strands, const Impo
     for (int first = first_failed; i < first && !first_failed.compare_exchange_weak(first, i);) {
     }
   });
-  if (base::IsCancelled(cancelled)) return Error{ErrorCode::kCancelled, "the import was cancelled", ""};
+  if (base::IsCancelled(cancelled))
+    return Error{ErrorCode::kCancelled, "the import was cancelled", ""};
   if (const int i = first_failed; i < n) {
     const Error& error = imported[i]->error();
     return Error{error.code,
