@@ -77,10 +77,9 @@ Result<styling::Obstacles> MakeObstacles(GroomLibrary& library, const groom::Par
 }
 
 // Imports the masters, some at a time.
-Result<groom::Import> ImportMasters(const styling::Masters& masters,
+Result<groom::Import> ImportMasters(const std::vector<groom::ImportedStrand>& strands,
                                     const groom::ImportOptions& options, exec::WorkerPool& pool,
                                     jobs::JobContext& context) {
-  const std::vector<groom::ImportedStrand> strands = styling::ToStrands(masters);
   groom::Import all;
   for (size_t begin = 0; begin < strands.size(); begin += kStrandsPerStep) {
     const size_t count = std::min(kStrandsPerStep, strands.size() - begin);
@@ -108,13 +107,13 @@ Result<void> AdmitSeconds(double seconds, int wisps, const groom::Limits& limits
 }
 
 // The same as AdmitStyle, now that the masters' control points are known.
-Result<void> AdmitImport(const styling::Masters& masters, const groom::ImportOptions& guides,
-                         const groom::Limits& limits) {
+Result<void> AdmitImport(const std::vector<groom::ImportedStrand>& masters,
+                         const groom::ImportOptions& guides, const groom::Limits& limits) {
   double seconds = 0;
-  for (const groom::ImportedStrand& strand : styling::ToStrands(masters)) {
+  for (const groom::ImportedStrand& strand : masters) {
     seconds += groom::ImportCost(strand.points.size(), guides);
   }
-  return AdmitSeconds(seconds, masters.wisps(), limits);
+  return AdmitSeconds(seconds, static_cast<int>(masters.size()), limits);
 }
 
 }  // namespace
@@ -183,13 +182,14 @@ Result<void> StyleJobs::Run(const std::string& job, jobs::JobContext& context) {
   if (context.Cancelled()) return jobs::JobContext::StoppedError();
   if (!hairstyle) return hairstyle.error();
   const styling::Hairstyle& h = **hairstyle;
-  if (const auto ok = AdmitImport(h.masters, *options, library_.limits()); !ok) return ok;
+  const std::vector<groom::ImportedStrand> masters = styling::ToStrands(h.masters);
+  if (const auto ok = AdmitImport(masters, *options, library_.limits()); !ok) return ok;
   v1::StyleReport report = MakeReport(*style, h, times);
 
   if (const auto ok = WriteHairstyle(*style, h, context); !ok) return ok;
   context.Progress(kWritten);
   const double begin = base::SteadySeconds();
-  auto import = ImportMasters(h.masters, *options, pool_, context);
+  auto import = ImportMasters(masters, *options, pool_, context);
   if (!import) return import.error();
   GroomLibrary::Draft draft{
       spec.header().groom_id(), std::string(kRequestPrefix) + job, *std::move(parts), {}, {}};

@@ -55,6 +55,8 @@ Result<void> CheckOutside(const Constraint& constraint, const Obstacles& obstacl
   return {};
 }
 
+}  // namespace
+
 Result<void> Validate(const Constraint& constraint, const Obstacles& obstacles,
                       const std::string& field) {
   if (constraint.kind < Constraint::Kind::kPoint ||
@@ -70,8 +72,6 @@ Result<void> Validate(const Constraint& constraint, const Obstacles& obstacles,
   }
   return CheckOutside(constraint, obstacles, field);
 }
-
-}  // namespace
 
 Result<void> Validate(const std::vector<ConstraintQueue>& queues, const Obstacles& obstacles,
                       const std::string& field) {

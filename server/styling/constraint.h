@@ -20,6 +20,10 @@ namespace mane::styling {
 [[nodiscard]] Result<void> Validate(const std::vector<ConstraintQueue>& queues,
                                     const Obstacles& obstacles, const std::string& field);
 
+/// The same of one constraint, naming `<field>.path[0]` or so.
+[[nodiscard]] Result<void> Validate(const Constraint& constraint, const Obstacles& obstacles,
+                                    const std::string& field);
+
 /// INVALID_ARGUMENT naming `<field>[i].selection` and telling both queues where a wisp is selected
 /// by two. Cost: wisps and what is selected.
 ///

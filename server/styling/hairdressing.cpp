@@ -7,7 +7,9 @@
 #include <numbers>
 
 #include "base/check.h"
+#include "styling/constraint.h"
 #include "styling/equal.h"
+#include "styling/spline.h"
 
 namespace mane::styling {
 namespace {
@@ -84,41 +86,25 @@ void Dress(const Operation& operation, Style* style) {
 std::vector<Eigen::Vector3d> BraidStrand(const std::vector<Eigen::Vector3d>& axis, int strand,
                                          int strand_count, double radius, double period) {
   MANE_CHECK(axis.size() >= 2 && strand_count >= 1 && period > 0);
-  std::vector<double> at{0};
-  for (size_t i = 1; i < axis.size(); ++i) at.push_back(at.back() + (axis[i] - axis[i - 1]).norm());
-  const double length = at.back();
-  MANE_CHECK(length > 0);
+  const Path path(axis);
   const auto count =
-      std::clamp(static_cast<size_t>(std::ceil(length / period * kPointsPerPeriod)) + 1,
+      std::clamp(static_cast<size_t>(std::ceil(path.length() / period * kPointsPerPeriod)) + 1,
                  axis.size(), kMostPoints);
 
-  std::vector<Eigen::Vector3d> strand_axis;
-  size_t segment = 1;
-  Eigen::Vector3d tangent = Eigen::Vector3d::Zero();
-  Eigen::Vector3d side = Eigen::Vector3d::Zero();
+  std::vector<Eigen::Vector3d> strand_axis = Resample(axis, static_cast<int>(count));
+  // The first side lies across the head's front, so that a braid down the back is broad seen from
+  // behind; then it is carried along.
+  Eigen::Vector3d tangent = path.TangentAt(0);
+  Eigen::Vector3d side = Eigen::Vector3d::UnitX() - tangent * tangent.x();
+  if (side.norm() < 1e-3) side = tangent.unitOrthogonal();
   for (size_t i = 0; i < count; ++i) {
-    const double t = length * static_cast<double>(i) / static_cast<double>(count - 1);
-    while (segment + 1 < axis.size() && (at[segment] < t || at[segment] == at[segment - 1])) {
-      ++segment;
-    }
-    const Eigen::Vector3d along = axis[segment] - axis[segment - 1];
-    const double span = at[segment] - at[segment - 1];
-    if (span > 0) {
-      const Eigen::Vector3d next = along / span;
-      // The first side lies across the head's front, so that a braid down the back is broad seen
-      // from behind; then it is carried along.
-      side = i == 0 ? Eigen::Vector3d(Eigen::Vector3d::UnitX() - next * next.x())
-                    : Eigen::Vector3d(Eigen::Quaterniond::FromTwoVectors(tangent, next) * side);
-      if (side.norm() < 1e-3) side = next.unitOrthogonal();
-      side.normalize();
-      tangent = next;
-    }
-    const double u = span > 0 ? std::clamp((t - at[segment - 1]) / span, 0.0, 1.0) : 0.0;
+    const double t = path.length() * static_cast<double>(i) / static_cast<double>(count - 1);
+    const Eigen::Vector3d next = path.TangentAt(t);
+    side = (Eigen::Quaterniond::FromTwoVectors(tangent, next) * side).normalized();
+    tangent = next;
     const double phi =
         2 * std::numbers::pi * (t / period + static_cast<double>(strand) / strand_count);
-    strand_axis.emplace_back(
-        axis[segment - 1] + u * along +
-        radius * (std::sin(phi) * side + std::sin(2 * phi) / 2 * tangent.cross(side)));
+    strand_axis[i] += radius * (std::sin(phi) * side + std::sin(2 * phi) / 2 * tangent.cross(side));
   }
   return strand_axis;
 }

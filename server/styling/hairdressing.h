@@ -56,7 +56,7 @@ void Dress(const Operation& operation, Style* style);
 /// a figure of eight, in which each strand crosses its neighbours once over and once under a
 /// period.
 ///
-/// @param axis  polyline [m], 2 points or more, of a length above 0.
+/// @param axis  polyline [m], 2 points or more, neighbours apart.
 /// @return a polyline with 16 points a period at least.
 [[nodiscard]] std::vector<Eigen::Vector3d> BraidStrand(const std::vector<Eigen::Vector3d>& axis,
                                                        int strand, int strand_count, double radius,

@@ -74,20 +74,6 @@ Result<void> ValidateColouring(const Colouring& colour, const std::string& field
   return Check(field + ".wisp_share", colour.wisp_share, kShareRange);
 }
 
-Result<void> ValidatePath(const std::vector<Eigen::Vector3d>& path, const std::string& field) {
-  double length = 0;
-  for (size_t i = 0; i < path.size(); ++i) {
-    const auto ok = groom::CheckVector(fmt::format("{}[{}]", field, i), path[i], kOffsetRange);
-    if (!ok) return ok;
-    if (i > 0) length += (path[i] - path[i - 1]).norm();
-  }
-  if (path.size() >= 2 && length >= 1e-3) return {};
-  return InvalidArgument(
-      field,
-      fmt::format("{} has {} points over {} m; it needs two points or more over 1 mm or more",
-                  field, path.size(), length));
-}
-
 struct WhatValidator {
   const std::string& field;
   double segment_length;
@@ -100,10 +86,8 @@ struct WhatValidator {
     return ValidateSynthesis(wave.synthesis, segment_length, field + ".wave.synthesis");
   }
   Result<void> operator()(const Operation::Comb& comb) const {
-    if (const auto ok = ValidatePath(comb.path, field + ".comb.path"); !ok) return ok;
-    const auto ok = Check(field + ".comb.radius_m", comb.radius, kConstraintRadiusRange);
-    if (!ok) return ok;
-    return Check(field + ".comb.weight", comb.weight, kShareRange);
+    const Constraint lead{Constraint::Kind::kDirection, comb.path, comb.radius, comb.weight};
+    return Validate(lead, Obstacles(), field + ".comb");
   }
   Result<void> operator()(const Operation::Tie& tie) const {
     const auto ok = groom::CheckVector(field + ".tie.point", tie.point, kOffsetRange);
@@ -111,7 +95,8 @@ struct WhatValidator {
     return Check(field + ".tie.radius_m", tie.radius, kConstraintRadiusRange);
   }
   Result<void> operator()(const Operation::Braid& braid) const {
-    if (const auto ok = ValidatePath(braid.path, field + ".braid.path"); !ok) return ok;
+    const Constraint axis{Constraint::Kind::kTrajectory, braid.path, braid.radius, 1};
+    if (const auto ok = Validate(axis, Obstacles(), field + ".braid"); !ok) return ok;
     const auto ok = Check(field + ".braid.radius_m", braid.radius, kBraidRadiusRange);
     if (!ok) return ok;
     return Check(field + ".braid.period_m", braid.period, kBraidPeriodRange);

@@ -9,22 +9,13 @@ over the number of guides, with and without wisps, 1 being linear. full_head_100
 object. tests/bench/run builds what it needs.
 """
 
-import argparse
 import json
-import subprocess
-from pathlib import Path
 
-PROGRAM = Path(__file__).resolve().parents[2] / "build" / "bench" / "tests" / "bench" / "contact_speed"
+from program import result_of
 
 
 def main() -> None:
-    argparse.ArgumentParser(
-        prog="tests/bench/run contact",
-        description=__doc__,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    ).parse_args()
-    output = subprocess.run([PROGRAM], check=True, capture_output=True, text=True).stdout
-    result = json.loads(output)
+    result = result_of("contact", "contact_speed", __doc__)
     for name, value in result.items():
         print(f"{name:<36}{value:>10}")
     print(json.dumps(result))

@@ -7,22 +7,13 @@ detail, and how far the worst tip was from full detail in ten seconds. tests/ben
 it needs.
 """
 
-import argparse
 import json
-import subprocess
-from pathlib import Path
 
-PROGRAM = Path(__file__).resolve().parents[2] / "build" / "bench" / "tests" / "bench" / "detail"
+from program import result_of
 
 
 def main() -> None:
-    argparse.ArgumentParser(
-        prog="tests/bench/run detail",
-        description=__doc__,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    ).parse_args()
-    output = subprocess.run([PROGRAM], check=True, capture_output=True, text=True).stdout
-    result = json.loads(output)
+    result = result_of("detail", "detail", __doc__)
 
     print(f"{'over full detail':<28}{'time':>8}{'elements':>10}{'worst tip':>12}")
     for hair, scenes in result.items():

@@ -10,22 +10,13 @@ one of 10 elements over a plain one of 10.
 tests/bench/run builds what it needs.
 """
 
-import argparse
 import json
-import subprocess
-from pathlib import Path
 
-PROGRAM = Path(__file__).resolve().parents[2] / "build" / "bench" / "tests" / "bench" / "rod_speed"
+from program import result_of
 
 
 def main() -> None:
-    argparse.ArgumentParser(
-        prog="tests/bench/run rod",
-        description=__doc__,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    ).parse_args()
-    output = subprocess.run([PROGRAM], check=True, capture_output=True, text=True).stdout
-    result = json.loads(output)
+    result = result_of("rod", "rod_speed", __doc__)
 
     print("us a strand-step         N = 5    N = 10")
     for isa, times in result["us_per_strand_step_by_isa"].items():

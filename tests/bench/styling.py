@@ -9,22 +9,13 @@ and cells of the density field (8 times as many), 1 being linear. The last line 
 tests/bench/run builds what it needs.
 """
 
-import argparse
 import json
-import subprocess
-from pathlib import Path
 
-PROGRAM = Path(__file__).resolve().parents[2] / "build" / "bench" / "tests" / "bench" / "styling_speed"
+from program import result_of
 
 
 def main() -> None:
-    argparse.ArgumentParser(
-        prog="tests/bench/run styling",
-        description=__doc__,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    ).parse_args()
-    output = subprocess.run([PROGRAM], check=True, capture_output=True, text=True).stdout
-    result = json.loads(output)
+    result = result_of("styling", "styling_speed", __doc__)
     for name, value in result.items():
         if isinstance(value, dict):
             for part, number in value.items():
