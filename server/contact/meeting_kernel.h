@@ -4,15 +4,16 @@
 /// only for sources that define MANE_ISA.
 
 #include "contact/meeting_layout.h"
-#include "rod/batch_rows.h"
+#include "rod/batch_layout.h"
 #include "rod/scheme.h"
+#include "simd/lanewise.h"
 
 namespace mane::contact {
 namespace MANE_ISA {
 
 template <int W>
-class Meetings : rod::MANE_ISA::Lanewise<float, W> {
-  using Base = rod::MANE_ISA::Lanewise<float, W>;
+class Meetings : simd::MANE_ISA::Lanewise<float, W> {
+  using Base = simd::MANE_ISA::Lanewise<float, W>;
   using Base::All;
   using Base::Put;
   using Base::Row;
@@ -20,7 +21,7 @@ class Meetings : rod::MANE_ISA::Lanewise<float, W> {
   using typename Base::V;
   using typename Base::Vec;
   template <typename X>
-  using Frame = rod::MANE_ISA::Frame<X>;
+  using Frame = simd::MANE_ISA::Frame<X>;
   static constexpr int kLanes = rod::layout::kLanes;
 
  public:

@@ -14,14 +14,11 @@
 #include "rod/step.h"
 #include "rod/strand.h"
 #include "rod/wound.h"
+#include "simd/rows.h"
 
 namespace mane::rod {
 
-/// One number of each strand of a block, aligned for every kernel.
-template <typename T>
-struct alignas(64) Row {
-  T lane[layout::kLanes];
-};
+using simd::Row;
 
 /// A strand and the frame of its root in the head it grows on.
 struct RootedStrand {

@@ -3,7 +3,7 @@
 /// L D L^T of small positive definite matrices, lane by lane; only for sources that define
 /// MANE_ISA.
 
-#include "rod/batch_vectors.h"
+#include "rod/batch_rows.h"
 
 namespace mane::rod {
 namespace MANE_ISA {

@@ -1,15 +1,15 @@
 #pragma once
 
 #include "rod/scheme.h"
+#include "simd/rows.h"
 
-/// How a block of strands lies in memory for the batched kernels: rows of kLanes numbers, one lane
-/// per strand, the same for every instruction set. All strands of a block have the same number of
-/// elements. Lengths are in units of the strand's mean element length l0 = L / N and masses in
-/// rho S l0, which keeps float32 in range; times in seconds, angles in radians (rod.md, Batch).
+/// Rows of a block of strands for the batched kernels (simd/rows.h). All strands of a block have
+/// the same number of elements. Lengths are in units of the strand's mean element length l0 = L / N
+/// and masses in rho S l0, which keeps float32 in range; times in seconds, angles in radians
+/// (rod.md, Batch).
 namespace mane::rod::layout {
 
-/// Strands in a block; every kernel's width divides it.
-inline constexpr int kLanes = 16;
+using simd::kLanes;
 
 /// Rows of a block's constants.
 enum Constant : int {

@@ -4,7 +4,7 @@
 
 #include "simd/lanes.h"
 
-namespace mane::rod {
+namespace mane::simd {
 namespace MANE_ISA {
 
 template <typename V>
@@ -237,4 +237,4 @@ struct Factor {
 };
 
 }  // namespace MANE_ISA
-}  // namespace mane::rod
+}  // namespace mane::simd
