@@ -184,7 +184,7 @@ void BlockStep::Begin() {
                     state_[0].lane, bytes_, scratch_.points[0].lane);
   const float* const points = scratch_.points[0].lane;
   for (size_t g = 0; g < contact_.groups.size(); ++g) {
-    Row<float>* const seen = memory_.data() + points_ + g * points_ * kSeenRows;
+    Row<float>* const seen = memory_.data() + points_ * (kTouchRows + g * kSeenRows);
     scratch_.any_stale.assign(points_, 0);
     if (contact_.meetings.look(points_, points, contact_.motions[g], numbers_, seen->lane,
                                scratch_.local[0].lane, scratch_.stale[0].lane,
@@ -216,7 +216,8 @@ bool BlockStep::Revise() {
 
 bool BlockStep::Finish() {
   const bool last = corrections_ + 1 >= kCorrections;
-  return contact_.meetings.finish(Meetings(), scratch_.velocities[0].lane, last, memory_[0].lane) &&
+  return contact_.meetings.finish(Meetings(), scratch_.velocities[0].lane, numbers_, last,
+                                  memory_[0].lane) &&
          corrections_++ < kCorrections;
 }
 

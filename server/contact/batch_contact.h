@@ -39,10 +39,10 @@ struct BatchContactSettings {
 
 /// Rows that are remembered of a block from step to step; as Forget leaves them at first.
 [[nodiscard]] constexpr size_t MemoryRows(int points, size_t groups) {
-  return static_cast<size_t>(points) * (1 + groups * kSeenRows);
+  return static_cast<size_t>(points) * (kTouchRows + groups * kSeenRows);
 }
 
-/// Nothing is remembered: neither what was seen nor what was pressed.
+/// Nothing is remembered: neither what was seen nor what was touched.
 void Forget(std::span<rod::Row<float>> memory);
 
 /// Memory of one worker; grows to the largest block it has seen and is reused.
@@ -65,7 +65,7 @@ struct BatchContact {
   double surprise = 0;  ///< How far strands may move besides what they did in the last step [m].
 };
 
-/// One step of one block among bodies, in stages (contact.md, K1 to K10): Begin; Solve; Revise;
+/// One step of one block among bodies, in stages (contact.md, K1 to K12): Begin; Solve; Revise;
 /// Solve; Finish, and Solve again while it asks for that; Commit. Between them the velocities of
 /// all points may be read, and impulses set that others give.
 class BlockStep {

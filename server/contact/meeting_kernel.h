@@ -1,6 +1,6 @@
 #pragma once
 
-/// How points of a block of strands meet bodies in a step (contact.md, K1 to K10), lane by lane;
+/// How points of a block of strands meet bodies in a step (contact.md, K1 to K12), lane by lane;
 /// only for sources that define MANE_ISA.
 
 #include "contact/meeting_layout.h"
@@ -79,7 +79,7 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
   }
 
   static bool Begin(const MeetingBlock& block, const MeetingNumbers& numbers,
-                    const float* pressed) {
+                    const float* touched) {
     const int rows = block.wound ? int{rod::layout::kConstantsPerWoundElement}
                                  : int{rod::layout::kConstantsPerElement};
     const int stride = rows * kLanes;
@@ -134,19 +134,24 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
         Put(mass, meeting, kMass);
         Put(least, meeting, kLeast);
 
-        const V impulse = Row(pressed, 0), size = Abs(impulse);
+        const V impulse = Row(touched, kTouched), size = Abs(impulse);
         const V falls = least - Dot(n, last), lift = Row(meeting, kLift);
         const auto was = size > 0.0F, holds = impulse > 0.0F;
         const auto stops = meets & ((falls > 0.0F) | (was & (lift == 0.0F)));
         const auto touches = stops | (meets & was);
-        const Vec across = over - towards * n;
+        // K12
+        const Vec drift = Rows(touched, kDrift);
+        const Vec back_again = All(-1 / (kDrawSteps * dt)) * (drift - Dot(n, drift) * n);
+        const Vec drawn = Select(holds, back_again, Vec{V{}, V{}, V{}});
+        Put(drawn, meeting, kDrawn);
+        const Vec across = over - towards * n - drawn;
         const V slip = Speed(across), pressing = was ? size : mass * falls;
         const V most = Coefficient(meeting, point, across, slip) * pressing;
         const V hold = holds ? kHolding * mass : Rub(mass, most, slip);
         const V rub = touches ? (holds ? All(1) : All(-1)) : V{};
         any |= Load(stops ? kPressing * mass : V{}, least, rub, hold, n, surface, meeting, load,
                     loaded++);
-        point += rod::layout::kPointRows * kLanes, pressed += kLanes;
+        point += rod::layout::kPointRows * kLanes, touched += kTouchRows * kLanes;
         meeting += kMeetingRows * kLanes, load += rod::layout::kLoadRows * kLanes;
       }
       before += length;
@@ -165,7 +170,8 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
 
       const V mass = Row(meeting, kMass), least = Row(meeting, kLeast), rub = Row(meeting, kRub);
       const Vec n = Rows(meeting, kMeetNormal), surface = Rows(meeting, kSurface);
-      const Vec u = Rows(velocities, 0), over = u - surface, across = over - Dot(n, over) * n;
+      const Vec u = Rows(velocities, 0), over = u - surface;
+      const Vec across = over - Dot(n, over) * n - Rows(meeting, kDrawn);
       const V speed = Dot(n, u), short_of = least - speed, slip = Speed(across);
       const auto stops = (mass > 0.0F) & (short_of > 0.0F);
       const V pressing = Pressing(meeting, speed);
@@ -186,20 +192,27 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
     return any;
   }
 
-  static bool Finish(const MeetingBlock& block, const float* velocities, bool last,
-                     float* pressed) {
+  static bool Finish(const MeetingBlock& block, const float* velocities,
+                     const MeetingNumbers& numbers, bool last, float* touched) {
     V wrong{};  // 1 in lanes where any load must change.
     const float* point = block.points;
     const float *meeting = block.meetings, *u = velocities;
     for (int i = 0; i < block.first_point[block.elements]; ++i,
              point += rod::layout::kPointRows * kLanes, u += 3 * kLanes,
-             meeting += kMeetingRows * kLanes, pressed += kLanes) {
-      Put(V{}, pressed, 0);
+             meeting += kMeetingRows * kLanes, touched += kTouchRows * kLanes) {
+      const Vec none{V{}, V{}, V{}};
+      Put(V{}, touched, kTouched);
+      Put(none, touched, kDrift);
       if (block.watched[i] == 0) continue;
 
-      const V speed = Dot(Rows(meeting, kMeetNormal), Rows(u, 0)), rub = Row(meeting, kRub);
+      const Vec n = Rows(meeting, kMeetNormal), over = Rows(u, 0) - Rows(meeting, kSurface);
+      const V speed = Dot(n, Rows(u, 0)), rub = Row(meeting, kRub);
       const V pressing = Pressing(meeting, speed), sign = rub > 0.5F ? All(1) : All(-1);
-      Put(((Abs(rub) > 0.5F) & (pressing > 0.0F)) ? sign * pressing : V{}, pressed, 0);
+      const auto touches = (Abs(rub) > 0.5F) & (pressing > 0.0F);
+      Put(touches ? sign * pressing : V{}, touched, kTouched);
+      const Vec drift =
+          All(numbers.dt) * (over - Dot(n, over) * n - All(kDrawSteps) * Rows(meeting, kDrawn));
+      Put(Select(touches & (rub > 0.5F), drift, none), touched, kDrift);
       const auto pulls = Pulls(meeting, speed), falls = Falls(meeting, speed);
       wrong = (pulls | falls) ? All(1) : wrong;
     }
@@ -214,6 +227,7 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
   // K3); less than in double precision, as float32 has six digits for them and the free directions.
   static constexpr float kPressing = 1e3F;
   static constexpr float kHolding = 1.6e4F;
+  static constexpr float kDrawSteps = 4;      // In which what is held goes back where it was (K12).
   static constexpr float kSoftStop = 4;       // Of what falls at last, over its own mass (K8).
   static constexpr float kLiftDepth = 1e-3F;  // At which what lifts is at its most (K9) [m].
   static constexpr float kMostSag = 3e-3F;    // Kept away for what lies between points [m],
@@ -307,7 +321,8 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
       const V mass = Row(meeting, kMass), rub = Row(meeting, kRub), least = Row(meeting, kLeast);
       const V stiff = Row(meeting, kStiff), to = Row(meeting, kStopSpeed);
       const Vec n = Rows(meeting, kMeetNormal), surface = Rows(meeting, kSurface);
-      const Vec velocity = Rows(u, 0), over = velocity - surface, across = over - Dot(n, over) * n;
+      const Vec velocity = Rows(u, 0), over = velocity - surface;
+      const Vec across = over - Dot(n, over) * n - Rows(meeting, kDrawn);
       const V speed = Dot(n, velocity), out = Dot(n, surface), slip = Speed(across);
       const auto falls = Falls(meeting, speed), nears = (speed < out - 1e-6F) & (to < out);
       const V lacks = to > speed ? stiff * (to - speed) : V{}, hard = kPressing * mass;
@@ -351,7 +366,9 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
     Put(press + lift, load, rod::layout::kPress);
     Put(held, load, rod::layout::kHold);
     const V along = press * stop + lift * Row(meeting, kLiftSpeed);
-    Put(along * n + held * (surface - out * n), load, rod::layout::kPush);
+    const V draws = rub > 0.5F ? held : V{};
+    Put(along * n + held * (surface - out * n) + draws * Rows(meeting, kDrawn), load,
+        rod::layout::kPush);
     Put(lift > 0.0F ? Row(meeting, kLiftSpeed) : out, load, rod::layout::kSurfaceSpeed);
     const bool any = simd::MANE_ISA::Any(press + lift + held > 0.0F);
     if (any) *loaded = 1;
@@ -389,16 +406,16 @@ struct MeetingTable {
     });
   }
   static bool Begin(const MeetingBlock& block, const MeetingNumbers& numbers,
-                    const float* pressed) {
-    return Groups([&](int l) { return Meetings<W>::Begin(At(block, l), numbers, pressed + l); });
+                    const float* touched) {
+    return Groups([&](int l) { return Meetings<W>::Begin(At(block, l), numbers, touched + l); });
   }
   static bool Revise(const MeetingBlock& block, const float* velocities) {
     return Groups([&](int l) { return Meetings<W>::Revise(At(block, l), velocities + l); });
   }
-  static bool Finish(const MeetingBlock& block, const float* velocities, bool last,
-                     float* pressed) {
+  static bool Finish(const MeetingBlock& block, const float* velocities,
+                     const MeetingNumbers& numbers, bool last, float* touched) {
     return Groups([&](int l) {
-      return Meetings<W>::Finish(At(block, l), velocities + l, last, pressed + l);
+      return Meetings<W>::Finish(At(block, l), velocities + l, numbers, last, touched + l);
     });
   }
   static constexpr MeetingKernels Make() { return {&Look, &Meet, &Begin, &Revise, &Finish}; }

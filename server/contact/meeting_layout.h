@@ -15,6 +15,13 @@ enum Seen : int {
   kSeenRows                         ///< Rows in all.
 };
 
+/// Rows of how a point touched at the end of a step.
+enum Touch : int {
+  kTouched = 0,            ///< Its normal impulse (K8), negative where it slid.
+  kDrift = kTouched + 1,   ///< How far it has crept since it is held, world [m] (3) (K12).
+  kTouchRows = kDrift + 3  ///< Rows in all.
+};
+
 /// Rows of a point and the nearest body in a step.
 enum Meeting : int {
   kDistance = 0,                 ///< To its surface [m]; large where it is too far to matter.
@@ -22,15 +29,16 @@ enum Meeting : int {
   kSurface = kMeetNormal + 3,    ///< The body's velocity there, world [m/s] (3).
   kMeetFriction = kSurface + 3,  ///< Friction::coefficient.
   kMeetAnisotropy,               ///< Friction::anisotropy.
-  kMass,        ///< That the point stands for [rho S l0]; 0 where it meets nothing.
-  kLeast,       ///< v of (K2) [m/s].
-  kStiff,       ///< What keeps it from going on, per speed that it lacks (K2) [rho S l0]; 0 where
-                ///< nothing,
-  kStopSpeed,   ///< and the speed that it lacks it to: v, or the body's own (K8) [m/s].
-  kLift,        ///< What lifts it out, per speed that it lacks (K9) [rho S l0],
-  kLiftSpeed,   ///< and to which speed along the normal [m/s].
-  kRub,         ///< +1 where it is held across, -1 where it slides, 0 where it touches nothing.
-  kMeetingRows  ///< Rows in all.
+  kMass,       ///< That the point stands for [rho S l0]; 0 where it meets nothing.
+  kLeast,      ///< v of (K2) [m/s].
+  kStiff,      ///< What keeps it from going on, per speed that it lacks (K2) [rho S l0]; 0 where
+               ///< nothing,
+  kStopSpeed,  ///< and the speed that it lacks it to: v, or the body's own (K8) [m/s].
+  kLift,       ///< What lifts it out, per speed that it lacks (K9) [rho S l0],
+  kLiftSpeed,  ///< and to which speed along the normal [m/s].
+  kRub,        ///< +1 where it is held across, -1 where it slides, 0 where it touches nothing.
+  kDrawn,      ///< Velocity over the surface that takes back what it has crept (K12) [m/s] (3).
+  kMeetingRows = kDrawn + 3  ///< Rows in all.
 };
 
 /// How a group of bodies moves in a step: where its frame is at kTheta of the way, from the head's
@@ -81,15 +89,16 @@ struct MeetingKernels {
   /// Takes over the group where it is nearer than those before; the first sets all.
   void (*meet)(int points, const float* point_rows, const GroupMotion& group, const float* seen,
                const float* local, bool first, float* meetings);
-  /// Loads of the first solution (K8). `pressed`, (points) rows, are the impulses that Finish
-  /// left a step ago. @return whether there are any.
-  bool (*begin)(const MeetingBlock& block, const MeetingNumbers& numbers, const float* pressed);
+  /// Loads of the first solution (K8). `touched`, (points x kTouchRows), is what Finish left a step
+  /// ago. @return whether there are any.
+  bool (*begin)(const MeetingBlock& block, const MeetingNumbers& numbers, const float* touched);
   /// Loads of the second, by the velocities of the first. @return whether any differ.
   bool (*revise)(const MeetingBlock& block, const float* velocities);
-  /// Resists where a spring pulled, stops what falls (K8), and leaves in `pressed` the impulses of
-  /// the last solution. @param last  whether there is but one more solution. @return whether any
+  /// Resists where a spring pulled, stops what falls (K8), and leaves in `touched` what the last
+  /// solution says of it. @param last  whether there is but one more solution. @return whether any
   /// must be solved again.
-  bool (*finish)(const MeetingBlock& block, const float* velocities, bool last, float* pressed);
+  bool (*finish)(const MeetingBlock& block, const float* velocities, const MeetingNumbers& numbers,
+                 bool last, float* touched);
 };
 
 }  // namespace mane::contact

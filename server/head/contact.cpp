@@ -32,8 +32,9 @@ Eigen::Vector3d SpinOf(const rod::ClampMotion& head) {
 
 }  // namespace
 
-std::span<rod::Row<float>> PressedOn(int block, Contact* contact) {
-  return MemoryOf(block, contact).first(contact->blocks[block].first_point.back());
+std::span<rod::Row<float>> TouchedBy(int block, Contact* contact) {
+  return MemoryOf(block, contact)
+      .first(contact->blocks[block].first_point.back() * contact::kTouchRows);
 }
 
 void StartContact(const groom::Groom& groom, std::shared_ptr<const Bodies> bodies,

@@ -86,7 +86,7 @@ void Remember(const rod::ClampMotion& head, Contact* contact);
     std::span<const contact::GroupMotion> motions, double surprise,
     std::span<rod::Row<float>> state, Contact* contact, float* bend);
 
-/// What the points of a block pressed with in the last step, of what is remembered.
-[[nodiscard]] std::span<rod::Row<float>> PressedOn(int block, Contact* contact);
+/// How the points of a block touched at the end of the last step, of what is remembered.
+[[nodiscard]] std::span<rod::Row<float>> TouchedBy(int block, Contact* contact);
 
 }  // namespace mane::head

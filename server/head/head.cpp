@@ -211,13 +211,13 @@ int NextFineness(int fineness, float bend, float largest) {
 int AdvanceAmongBodies(const groom::Groom& groom, int i, int fineness,
                        std::span<const StepDrive> drives, const WindField& wind, HeadState* state,
                        std::atomic<int>* repaired) {
-  thread_local std::vector<rod::Row<float>> moving_before, pressed_before;
+  thread_local std::vector<rod::Row<float>> moving_before, touched_before;
   const Rows moving = MovingRows(groom, i, state);
   // What was seen stays true.
-  const Rows pressed = PressedOn(i, &state->contact);
+  const Rows touched = TouchedBy(i, &state->contact);
   if (fineness < kFinest) {
     moving_before.assign(moving.begin(), moving.end());
-    pressed_before.assign(pressed.begin(), pressed.end());
+    touched_before.assign(touched.begin(), touched.end());
   }
   float bend = 0;
   int& own = state->contact.blocks[i].fineness;
@@ -225,7 +225,7 @@ int AdvanceAmongBodies(const groom::Groom& groom, int i, int fineness,
       AdvanceBlock(groom, i, drives, wind, fineness == kFinest, state, &bend);
   if (!put_to_rest || (bend > kLargestBend && fineness < kFinest)) {
     std::ranges::copy(moving_before, moving.begin());
-    std::ranges::copy(pressed_before, pressed.begin());
+    std::ranges::copy(touched_before, touched.begin());
     return own = 2 * fineness;
   }
   *repaired += *put_to_rest;
