@@ -51,7 +51,7 @@ LAWS = {
         "mu = 0.1: angle at which it slides": (5.425, 5.997),
         "mu = 0.4: angle at which it slides": (20.71, 22.89),
         "mu = 1: angle at which it slides": (42.75, 47.25),
-        "fastest creep [m/s]": (0, 3e-5),
+        "creep at 0.9 of the angle of friction [m/s]": (0, 5e-7),
     },
     "wisps-collide": {
         "swing, let go of a wind of 1.5 m/s: largest change of the sum of momenta by the impact": (

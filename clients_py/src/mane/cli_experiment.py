@@ -71,8 +71,7 @@ _HELP = {
     "stick-slip": """
     Tilt slabs with hair across them, and see at which angle it slides, for mu of 0.1 to 1.
 
-    That is Coulomb's angle of friction, atan(mu); below it hair stays where it is but for a creep
-    of micrometres a second.
+    That is Coulomb's angle of friction, atan(mu); below it hair stays where it is.
     """,
     "bend-twist": """
     See when a naturally curved strand in a horizontal clamp leaves its plane, and where it rests.
