@@ -1,6 +1,7 @@
 // Laws of batched strands among bodies, on every instruction set:
 //   incline     hair that lies across a slope stays below the angle of friction and slides above it
 //   held        what is held does not creep
+//   groove      hair that several bodies touch lies still
 //   scales      friction over pressure follows the cosine law wherever hair slides
 //   energy      a body that does not move gives hair no energy, at any step
 //   depth       hair that begins inside a body comes out no faster than it may, and stays out
@@ -34,13 +35,20 @@ using rod::layout::kLanes;
 
 constexpr double kDt = 1.0 / 60;
 
-// Strands of equal N on a head, stepped among one body that has a motion of its own.
+// Strands of equal N on a head, stepped among bodies that have a motion of their own.
 class Among {
  public:
   Among(simd::Isa isa, BodyShape shape, const Friction& friction)
-      : step_(rod::KernelsFor<float>(isa)),
-        meetings_(MeetingKernelsFor(isa)),
-        group_{{{std::move(shape), {}}}, {friction}} {}
+      : step_(rod::KernelsFor<float>(isa)), meetings_(MeetingKernelsFor(isa)) {
+    AddBody(std::move(shape), {}, friction);
+  }
+
+  // One more, which moves on its own.
+  void AddBody(BodyShape shape, const math::Pose& pose, const Friction& friction) {
+    BodyGroup& group = groups_.emplace_back();
+    group.bodies.push_back({std::move(shape), {pose, pose}});
+    group.frictions.push_back(friction);
+  }
 
   void Add(const rod::Strand& strand, const math::Pose& root, const State& state) {
     strands_.push_back(std::make_unique<rod::Strand>(strand));
@@ -57,15 +65,16 @@ class Among {
     }
     ASSERT_EQ(batch_.blocks().size(), 1U);
     first_point_ = FirstPoints(batch_, block());
-    memory_.resize(MemoryRows(points(), 1));
+    memory_.resize(MemoryRows(points(), groups_.size()));
     Forget(memory_);
   }
   [[nodiscard]] uint32_t Step(const rod::ClampMotion& head, const rod::Surroundings& air,
                               const BodyMotion& body) {
     rod::SetDrive<float>(head, air, 0, kLanes, drive_);
-    const GroupMotion motion = MotionOf(body, head);
-    const BodyGroup* const group = &group_;
-    const BatchContact contact{step_, meetings_, {&group, 1}, {&motion, 1}, settings};
+    const std::vector<GroupMotion> motions(groups_.size(), MotionOf(body, head));
+    std::vector<const BodyGroup*> groups;
+    for (const BodyGroup& group : groups_) groups.push_back(&group);
+    const BatchContact contact{step_, meetings_, groups, motions, settings};
     return StepBlockAmong(contact, batch_, block(), first_point_, drive_, memory_, state_, scratch);
   }
   [[nodiscard]] State Get(int i) const {
@@ -86,7 +95,7 @@ class Among {
  private:
   const rod::KernelTable<float>& step_;
   const MeetingKernels& meetings_;
-  BodyGroup group_;
+  std::vector<BodyGroup> groups_;
   std::vector<std::unique_ptr<rod::Strand>> strands_;
   std::vector<math::Pose> roots_;
   std::vector<State> starts_;
@@ -141,6 +150,35 @@ TEST(BatchContactTest, HairOnASlopeSlidesAboveTheAngleOfFriction) {
         (Slide(isa, mu, angle, 0.5, 2.5) < 1e-3 ? holds : slides) = angle;
       }
       EXPECT_NEAR(0.5 * (holds + slides) / std::atan(mu), 1, 0.05) << mu << " " << simd::Name(isa);
+    }
+  }
+}
+
+// Two tables that lean towards each other, with curled hair in the groove between them: each pushes
+// it onto the other.
+TEST(BatchContactTest, HairBetweenTwoBodiesLiesStill) {
+  for (const simd::Isa isa : simd::Supported()) {
+    for (const double lean : {0.4, 0.7, 1.0}) {
+      Lying lying(8);
+      for (int Q = 0; Q < 8; ++Q) {
+        lying.strand.natural[Q] = Vector3d(0, (Q % 2 == 0 ? 40 : -40), 25);
+      }
+      const auto table = [&](double side) {
+        return math::Pose{{0, 0, 0}, math::FromRotationVector(Vector3d(side * lean, 0, 0))};
+      };
+      Among hair(isa, Table(), {0.1, 0});
+      hair.AddBody(Table(), table(1), {0.1, 0});
+      hair.AddBody(Table(), table(-1), {0.1, 0});
+      hair.Add(lying.strand, lying.root, State(lying.strand));
+      hair.Pack();
+      for (int i = 0; i < 5 / kDt; ++i) EXPECT_EQ(hair.Step({{}, {}, kDt}, {}, {}), 0U);
+      double fastest = 0;
+      for (int i = 0; i < 1 / kDt; ++i) {
+        const Vector3d before = hair.Tip(0);
+        EXPECT_EQ(hair.Step({{}, {}, kDt}, {}, {}), 0U);
+        fastest = std::max(fastest, (hair.Tip(0) - before).norm() / kDt);
+      }
+      EXPECT_LT(fastest, 1e-4) << lean << " " << simd::Name(isa);
     }
   }
 }

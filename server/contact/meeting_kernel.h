@@ -1,6 +1,6 @@
 #pragma once
 
-/// How points of a block of strands meet bodies in a step (contact.md, K1 to K12), lane by lane;
+/// How points of a block of strands meet bodies in a step (contact.md, K1 to K13), lane by lane;
 /// only for sources that define MANE_ISA.
 
 #include "contact/meeting_layout.h"
@@ -62,17 +62,17 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
       // The plane that was seen holds near by; farther off only that the body is not near.
       const V distance =
           square < serves * serves ? Row(seen, kSeenDistance) + Dot(n, moved) : All(kFar);
-      const V before = first ? All(kFar) : Row(meeting, kDistance);
-      const auto nearer = distance < before;
       const Vec outward = R * n, surface = v + Cross(w, x);
-      const auto put = [&](const V& value, int row) {
-        Put(nearer ? value : (first ? V{} : Row(meeting, row)), meeting, row);
-      };
-      Put(nearer ? distance : before, meeting, kDistance);
-      put(outward.x, kMeetNormal), put(outward.y, kMeetNormal + 1), put(outward.z, kMeetNormal + 2);
-      put(surface.x, kSurface), put(surface.y, kSurface + 1), put(surface.z, kSurface + 2);
-      put(Row(seen, kSeenFriction), kMeetFriction);
-      put(Row(seen, kSeenAnisotropy), kMeetAnisotropy);
+      const Group own{distance, outward, surface, Row(seen, kSeenFriction),
+                      Row(seen, kSeenAnisotropy)};
+      V room = All(kFar);
+      const Group all = first ? own : Join(GroupsBefore(meeting), own, Row(meeting, kRoom), &room);
+      Put(all.distance, meeting, kDistance);
+      Put(all.normal, meeting, kMeetNormal);
+      Put(all.surface, meeting, kSurface);
+      Put(all.friction, meeting, kMeetFriction);
+      Put(all.anisotropy, meeting, kMeetAnisotropy);
+      Put(room, meeting, kRoom);
       point += rod::layout::kPointRows * kLanes;
       seen += kSeenRows * kLanes, local += 3 * kLanes, meeting += kMeetingRows * kLanes;
     }
@@ -110,7 +110,8 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
           sag = sag > bulge ? sag : bulge;
         }
         sag_before = sag_after;
-        const V gap = Row(meeting, kDistance) - (numbers.thickness + around + sag);
+        const V keeps = numbers.thickness + around + sag, room = Row(meeting, kRoom);
+        const V gap = Row(meeting, kDistance) - (keeps < room ? keeps : room);
         const Vec n = Rows(meeting, kMeetNormal), surface = Rows(meeting, kSurface);
         const Vec last = Rows(point, rod::layout::kLastVelocity), over = last - surface;
         const V towards = Dot(n, over),
@@ -232,6 +233,7 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
   static constexpr float kLiftDepth = 1e-3F;  // At which what lifts is at its most (K9) [m].
   static constexpr float kMostSag = 3e-3F;    // Kept away for what lies between points [m],
   static constexpr float kSagReach = 2e-2F;   // of those that are so near.
+  static constexpr float kJoin = 2e-3F;       // Width in which two bodies join (K13) [m].
   static constexpr float kCoilSoftness = 3;
   static constexpr float kPlaneReach = 1.2e-3F;  // K7 [m]
   static constexpr float kPlaneShare = 0.3F;
@@ -240,6 +242,32 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
   static constexpr float kReach = 2;      // or from this many times what they move in h.
   static constexpr float kFar = 1e9F;
 
+  // What a point sees of a group of bodies.
+  struct Group {
+    V distance;
+    Vec normal, surface;
+    V friction, anisotropy;
+  };
+  static Group GroupsBefore(const float* meeting) {
+    return {Row(meeting, kDistance), Rows(meeting, kMeetNormal), Rows(meeting, kSurface),
+            Row(meeting, kMeetFriction), Row(meeting, kMeetAnisotropy)};
+  }
+  // Two groups as one body (K13).
+  static Group Join(const Group& a, const Group& b, const V& room_before, V* room) {
+    const V facing = Dot(a.normal, b.normal), open = 1.0F + facing;
+    const V width = kJoin * (open < 1.0F ? (open > 0.0F ? open : V{}) : All(1)) + 1e-6F;
+    const V ahead = 0.5F + 0.5F * (a.distance - b.distance) / width;
+    const V part = ahead < 1.0F ? (ahead > 0.0F ? ahead : V{}) : All(1);  // That b has.
+    const V own = All(1) - part;
+    const Vec n = own * a.normal + part * b.normal;
+    // From bodies that face each other to those at 120 degrees, which join.
+    const V opposed = -1.0F - 2.0F * facing, across = opposed > 0.01F ? opposed : All(0.01F);
+    const V half = 0.5F * (a.distance + b.distance) / across, some = half > 0.0F ? half : V{};
+    *room = some < room_before ? some : room_before;
+    return {own * a.distance + part * b.distance - width * own * part, (1.0F / Speed(n)) * n,
+            own * a.surface + part * b.surface, own * a.friction + part * b.friction,
+            own * a.anisotropy + part * b.anisotropy};
+  }
   // Height of the arc between two points `apart` [m] of an element with its natural curvature (K10)
   // [m].
   static V Bulge(const float* element, const V& apart, int count) {

@@ -29,6 +29,7 @@ enum Meeting : int {
   kSurface = kMeetNormal + 3,    ///< The body's velocity there, world [m/s] (3).
   kMeetFriction = kSurface + 3,  ///< Friction::coefficient.
   kMeetAnisotropy,               ///< Friction::anisotropy.
+  kRoom,       ///< Half of what another body across leaves between the two (K13) [m].
   kMass,       ///< That the point stands for [rho S l0]; 0 where it meets nothing.
   kLeast,      ///< v of (K2) [m/s].
   kStiff,      ///< What keeps it from going on, per speed that it lacks (K2) [rho S l0]; 0 where
@@ -86,7 +87,7 @@ struct MeetingKernels {
   bool (*look)(int points, const float* point_rows, const GroupMotion& group,
                const MeetingNumbers& numbers, const float* seen, float* local, float* stale,
                unsigned char* any_stale);
-  /// Takes over the group where it is nearer than those before; the first sets all.
+  /// Joins the group with those before (K13); the first sets all.
   void (*meet)(int points, const float* point_rows, const GroupMotion& group, const float* seen,
                const float* local, bool first, float* meetings);
   /// Loads of the first solution (K8). `touched`, (points x kTouchRows), is what Finish left a step
