@@ -61,8 +61,7 @@ std::vector<Part> Sides(double length, double length_fluctuation) {
       PartOf("left back", Region(0, 105, -180, -75), 5000, length),
   };
   for (size_t i = 0; i < parts.size(); ++i) {
-    parts[i].forces = {
-        AroundAbove(kEyes - 0.03, {i % 2 == 0 ? kBeside : -kBeside, 0, -0.05}, 2 * kComb)};
+    parts[i].forces = {AroundAbove(kEyes, {i % 2 == 0 ? kBeside : -kBeside, 0, 0}, kComb)};
     parts[i].length_fluctuation = length_fluctuation;
   }
   return parts;
@@ -73,9 +72,9 @@ BeamPreset Bob() {
   bob.style.parts = Sides(0.3, 0);
   for (Part& part : bob.style.parts) part.cuts = {Below(kNeck)};
   Part bangs = PartOf("bangs", Region(25, 62, -40, 40), 2500, 0.12);
-  bangs.forces = {Around({0, -0.1, 0.3}, kComb)};
+  bangs.forces = {Around({0, -0.1, 0.3}, kComb / 2)};
   bangs.cuts = {Below(0.02)};
-  bangs.rigidity = 1e-9;
+  bangs.rigidity = 3e-9;
   bob.style.parts.emplace_back(bangs);
   return bob;
 }
@@ -97,7 +96,7 @@ BeamPreset SweptBack() {
   Part back = PartOf("back", Region(0, 105, 75, -75), 9000, 0.22);
   all.forces = {Around({0, 0.3, -0.3}, 2 * kComb)};
   all.forces[0].where = {{Vector3d::UnitZ(), -0.02}};  // Behind that it falls.
-  back.forces = {AroundAbove(kEyes - 0.03, {0, 0, -kBeside}, kComb)};
+  back.forces = {AroundAbove(kEyes, {0, -kBeside, -kBeside}, kComb / 2)};
   back.length_fluctuation = all.length_fluctuation = 0.1;
   out.style.parts = {all, back};
   for (const double side : {1.0, -1.0}) {
