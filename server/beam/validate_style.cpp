@@ -1,7 +1,10 @@
 #include <fmt/format.h>
 
-#include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
 
+#include "beam/pores.h"
 #include "beam/style.h"
 
 namespace mane::beam {
@@ -19,6 +22,7 @@ constexpr int64_t kMostHairs = 200'000;
 constexpr int64_t kMostNodes = 10'000'000;
 constexpr double kFarthest = 100;      // Of a coordinate [m].
 constexpr double kLargestForce = 1e4;  // [m/s^2]
+constexpr double kNarrowest = 1e-6;    // Of a region [rad].
 constexpr double kLongest = 5;         // [m]
 
 // The first thing that is wrong below a field; later ones are not looked at.
@@ -77,13 +81,15 @@ void Check(Checker* check, const PoreRegion& region) {
     check->Number("greatest_zenith", region.greatest_zenith, 0, pi, "rad");
     check->Number("from_azimuth", region.from_azimuth, -pi, pi, "rad");
     check->Number("to_azimuth", region.to_azimuth, -pi, pi, "rad");
-    if (region.least_zenith >= region.greatest_zenith) {
-      check->Fail("least_zenith", fmt::format("{} rad must be below greatest_zenith, {} rad",
-                                              region.least_zenith, region.greatest_zenith));
+    if (!(region.greatest_zenith - region.least_zenith >= kNarrowest)) {
+      check->Fail("least_zenith",
+                  fmt::format("{} rad must be below greatest_zenith, {} rad, by {} at least",
+                              region.least_zenith, region.greatest_zenith, kNarrowest));
     }
-    if (region.from_azimuth == region.to_azimuth) {
+    if (!(AzimuthsOf(region) >= kNarrowest)) {
       check->Fail("from_azimuth",
-                  fmt::format("{} rad must differ from to_azimuth", region.from_azimuth));
+                  fmt::format("from {} rad to to_azimuth, {} rad, must be {} at least",
+                              region.from_azimuth, region.to_azimuth, kNarrowest));
     }
   });
 }
