@@ -1,0 +1,1 @@
+#include "beam/test_motion.h"
