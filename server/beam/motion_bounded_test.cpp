@@ -129,6 +129,7 @@ TEST(MotionBoundedTest, NothingDrifts) {
     const auto nodes = moving.Nodes(kernels, 0);
     EXPECT_NEAR((nodes[2] - nodes[1]).norm(), moving.hair(0).segment_length, 1e-8);
     EXPECT_LT(moving.Steps(0)[1].norm(), 1);
+    EXPECT_LT(std::abs(moving.Steps(0)[1].dot(moving.Directions(0)[1])), 1e-8);
   }
 }
 

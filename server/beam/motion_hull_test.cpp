@@ -220,7 +220,7 @@ TYPED_TEST(MotionHullTest, JointsTurnNoFurtherThanTheyMay) {
   });
 }
 
-TEST(MotionFluctuationTest, uationIsEvenAndRare) {
+TEST(MotionFluctuationTest, IsEvenAndRare) {
   constexpr double kLargest = 0.3;
   MotionSettings settings;
   settings.fluctuation = kLargest;
@@ -264,7 +264,7 @@ TEST(MotionFluctuationTest, uationIsEvenAndRare) {
   EXPECT_NEAR(product / count, 0, wide * variance);
 }
 
-TEST(MotionFluctuationTest, uationAddsNoMotion) {
+TEST(MotionFluctuationTest, AddsNoMotion) {
   for (const Equations equations : {Equations::kAcross, Equations::kPolar}) {
     MotionSettings settings;
     settings.equations = equations;
