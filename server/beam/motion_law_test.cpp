@@ -257,6 +257,22 @@ TEST(MotionLawTest, LeavingTheAxisKeepsTheDirection) {
   }
 }
 
+// And of its step what lies in that plane.
+TEST(MotionLawTest, LeavingTheAxisKeepsTheStepInThePlane) {
+  for (const double y : {1.0, -1.0}) {
+    for (const double azimuth : {0.2, 1.0, 2.0, 3.0, -2.0}) {
+      MotionSettings settings;
+      settings.equations = Equations::kPolar;
+      settings.clamped = false;
+      const Vector3d level(std::sin(azimuth), 0, std::cos(azimuth)), e(0, y, 0), rate(0, 0, 0.1);
+      Moving<double> moving({Free(1, e, 1e-9)}, settings);
+      moving.Set(0, std::span(&e, 1), std::span(&rate, 1), 0.01);
+      moving.Step(Kernels(), Still(level, 0.01));
+      EXPECT_LT((moving.Steps(0)[0] - 0.01 * rate.dot(level) * level).norm(), 1e-6);
+    }
+  }
+}
+
 // A held hair, 0.2 m of rho = 5e-6 and EI = 5e-9.
 OwnHair Held(int segments, const Vector3d& direction) {
   constexpr double kLength = 0.2;
