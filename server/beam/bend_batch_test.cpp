@@ -21,7 +21,7 @@ namespace {
 
 using Eigen::Vector3d;
 using fixtures::BendAll;
-using fixtures::Random;
+using fixtures::RandomNumbers;
 
 template <typename T>
 class BendBatchTest : public ::testing::Test {
@@ -39,7 +39,8 @@ class BendBatchTest : public ::testing::Test {
 using Numbers = ::testing::Types<float, double>;
 TYPED_TEST_SUITE(BendBatchTest, Numbers);
 
-std::vector<BendHair> AnyHairs(Random& random, const Hull& hull, int count, double length, int k) {
+std::vector<BendHair> AnyHairs(RandomNumbers& random, const Hull& hull, int count, double length,
+                               int k) {
   std::vector<BendHair> hairs;
   for (int i = 0; i < count; ++i) {
     hairs.emplace_back(random.AnyHair(hull, length * random.Uniform(0.3, 1), k));
@@ -54,7 +55,7 @@ TYPED_TEST(BendBatchTest, EqualsTheReference) {
   using T = TypeParam;
   const double tolerance = std::is_same_v<T, float> ? 1e-4 : 1e-9;
   this->ForEveryIsa([&](const KernelTable<T>& kernels) {
-    Random random(1);
+    RandomNumbers random(1);
     int close = 0, all = 0;
     for (const int k : {2, 3, 20, 50}) {
       for (int trial = 0; trial < 8; ++trial) {
@@ -82,7 +83,7 @@ TYPED_TEST(BendBatchTest, EqualsTheReference) {
 TYPED_TEST(BendBatchTest, ALaneDependsOnNothingElse) {
   using T = TypeParam;
   this->ForEveryIsa([&](const KernelTable<T>& kernels) {
-    Random random(2);
+    RandomNumbers random(2);
     const Hull hull = random.AnyHull();
     const BendField field = random.AnyField(hull, 4);
     const BendBatch<T> batch(TurnWeights(20), field, hull);
@@ -99,7 +100,7 @@ TYPED_TEST(BendBatchTest, ALaneDependsOnNothingElse) {
 TYPED_TEST(BendBatchTest, NoNodeIsInsideAndSegmentsKeepTheirLength) {
   using T = TypeParam;
   this->ForEveryIsa([&](const KernelTable<T>& kernels) {
-    Random random(3);
+    RandomNumbers random(3);
     for (int trial = 0; trial < 300; ++trial) {
       const Hull hull = random.AnyHull(), lifted = Lifted(hull, TestFixture::kEpsilon);
       const int k = trial % 3 == 0 ? 7 : trial % 3 == 1 ? 20 : 120;
@@ -135,7 +136,7 @@ TYPED_TEST(BendBatchTest, NoNodeIsInsideAndSegmentsKeepTheirLength) {
 }
 
 TEST(BendLengthTest, SegmentsKeepTheirLengthToTheNumbersPrecision) {
-  Random random(4);
+  RandomNumbers random(4);
   const Hull hull{Vector3d::Zero(), Vector3d(0.08, 0.11, 0.1)};
   const BendField field = random.AnyField(hull, 2);
   const auto hairs = AnyHairs(random, Lifted(hull, 1e-7), 64, 0.3, 20);

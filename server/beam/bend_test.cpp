@@ -23,7 +23,7 @@ namespace {
 
 using Eigen::Vector3d;
 using fixtures::NoHull;
-using fixtures::Random;
+using fixtures::RandomNumbers;
 
 using Weights = std::function<std::vector<double>(int)>;
 
@@ -130,7 +130,7 @@ TEST(BendTest, ForcesActWhereAndOnWhatTheyAreSaidTo) {
 
 // A scene seen in a mirror or turned about Y by 90 degrees, which swaps radii.
 TEST(BendTest, MirroredAndTurnedScenesHaveMirroredAndTurnedHair) {
-  Random random(7);
+  RandomNumbers random(7);
   Eigen::Matrix3d mirror = Vector3d(-1, 1, 1).asDiagonal(), turn;
   turn << 0, 0, 1, 0, 1, 0, -1, 0, 0;
   for (const Eigen::Matrix3d& S : {mirror, turn}) {
@@ -159,7 +159,7 @@ TEST(BendTest, MirroredAndTurnedScenesHaveMirroredAndTurnedHair) {
 }
 
 TEST(BendTest, TurnsOutInThePlaneAndNoMoreThanItMust) {
-  Random random(8);
+  RandomNumbers random(8);
   int met = 0;
   for (int trial = 0; trial < 3000; ++trial) {
     const Hull hull = random.AnyHull();

@@ -20,10 +20,10 @@ namespace {
 
 using Eigen::Vector3d;
 using Eigen::Vector3f;
-using fixtures::Random;
+using fixtures::RandomNumbers;
 
 TEST(HullTest, PolarAnglesAndPointsAreInverse) {
-  Random random(1);
+  RandomNumbers random(1);
   for (int trial = 0; trial < 200; ++trial) {
     const Hull hull = random.AnyHull();
     const double zenith = random.Uniform(0.01, 3.1), azimuth = random.Uniform(-3.1, 3.1);
@@ -42,7 +42,7 @@ TEST(HullTest, PolarAnglesAndPointsAreInverse) {
 }
 
 TEST(HullTest, TheGradientIsTheSlope) {
-  Random random(2);
+  RandomNumbers random(2);
   for (int trial = 0; trial < 100; ++trial) {
     const Hull hull = random.AnyHull();
     const Vector3d point = hull.center + 2 * hull.radii.cwiseProduct(random.Vector(1));
@@ -56,7 +56,7 @@ TEST(HullTest, TheGradientIsTheSlope) {
 }
 
 TEST(FitHullTest, RecoversAnEllipsoid) {
-  Random random(3);
+  RandomNumbers random(3);
   for (int trial = 0; trial < 50; ++trial) {
     const Hull hull = random.AnyHull();
     std::vector<Vector3f> points;
@@ -107,7 +107,7 @@ TEST(FitHullTest, RefusesWhatHasNoEllipsoid) {
     EXPECT_TRUE(fit.error().field.empty());
     return true;
   };
-  Random random(4);
+  RandomNumbers random(4);
   std::vector<Vector3f> plane, tilted, saddle, two_sheets, few, broken = Mannequin();
   for (int i = 0; i < 200; ++i) {
     const float x = static_cast<float>(random.Uniform(-1, 1));

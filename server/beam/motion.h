@@ -39,7 +39,8 @@ struct MotionSettings {
   double alpha = -0.75;  ///< In [-1, 1]; -1 for none.
   double near = 0.02;
   std::vector<float> epsilon;  ///< In [0, 1]; 1 by default.
-  /// Largest angle between segments i - 1 and i (B14) [rad], in [0, pi]; pi by default.
+  /// Largest angle between segments i - 1 and i (B14) [rad], in [0, pi]; pi by default. The first,
+  /// of no joint, counts for nothing.
   std::vector<float> largest_turn;
   /// Every ten frames each segment turns by angles drawn evenly from [-fluctuation, fluctuation]
   /// (B15) [rad].
@@ -47,7 +48,7 @@ struct MotionSettings {
   uint64_t seed = 0;
 };
 
-/// One hair of a batch. Arrays over segments are (k).
+/// One hair of a batch (response.h). Arrays over segments are (k).
 struct MotionHair {
   Eigen::Vector3d root;                   ///< p_0, head frame [m].
   double segment_length;                  ///< d [m]
@@ -65,8 +66,9 @@ struct MotionDrive {
   /// The head's velocity and spin in the step before and in this one, world: roots accelerate by
   /// what changes [m/s], [rad/s].
   Eigen::Vector3d velocity_before, velocity, spin_before, spin;
-  Eigen::Vector3d gravity;  ///< World [m/s^2].
-  double duration;          ///< dt [s], > 0.
+  Eigen::Vector3d gravity;     ///< World [m/s^2].
+  double duration;             ///< dt [s], > 0.
+  double duration_before = 0;  ///< Of the step before [s]; 0 where it was as long.
   double drag_scale = 1, friction_scale = 1;
   /// Frames since the beginning; every tenth draws what B15 says.
   uint64_t frame = 0;
@@ -82,7 +84,8 @@ class MotionBatch {
   using Row = simd::Row<T>;
 
   MotionBatch() = default;
-  /// @param gravity  under which hairs are at rest with the head upright, head frame [m/s^2] (B11).
+  /// @param gravity  under which hairs are at rest with the head upright, head frame [m/s^2] (B11);
+  ///                 zero for hair as published, which nothing holds.
   MotionBatch(int segments, std::span<const MotionHair> hairs, const Eigen::Vector3d& gravity,
               const MotionSettings& settings);
 
@@ -116,7 +119,19 @@ class MotionBatch {
   int segments_ = 0;
   int hair_count_ = 0;
   MotionSettings settings_;
-  std::vector<Row> constants_;
+  [[nodiscard]] layout::MotionShape<T> Shape() const;
+  [[nodiscard]] layout::MotionStep<T> StepNumbers(int block, const MotionDrive& drive) const;
+  [[nodiscard]] size_t constant_rows() const;
+  [[nodiscard]] int segment_rows() const;  // Of a state.
+  // Calls visit(first row of its block, lane) for every lane that holds a hair: the last one's
+  // fills its block.
+  template <typename Visit>
+  void ForLanes(int hair, std::span<Row> state, const Visit& visit) const;
+
+  Eigen::Vector3d gravity_ = Eigen::Vector3d::Zero();
+  bool holds_ = false;
+  std::vector<layout::SegmentNumbers<T>> numbers_;  // (segments)
+  std::vector<Row> constants_;                      // (blocks x constant_rows())
 };
 
 }  // namespace mane::beam

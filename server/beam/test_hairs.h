@@ -17,9 +17,9 @@ namespace mane::beam::fixtures {
 /// Far below everything, so that nothing meets it.
 inline Hull NoHull() { return {Eigen::Vector3d(0, -1e3, 0), Eigen::Vector3d::Ones()}; }
 
-class Random {
+class RandomNumbers {
  public:
-  explicit Random(unsigned seed) : rng_(seed) {}
+  explicit RandomNumbers(unsigned seed) : rng_(seed) {}
 
   double Uniform(double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(rng_);

@@ -9,6 +9,7 @@
 int main() {
   mane::Report numbers, exponents;
   mane::TimeStyling(&numbers, &exponents);
+  mane::TimeMotion(&numbers, &exponents);
   fmt::print("{{{}, \"exponents\": {{{}}}}}\n", fmt::join(numbers, ", "),
              fmt::join(exponents, ", "));
 }

@@ -28,4 +28,10 @@ inline double Exponent(double ratio, double times) { return std::log(ratio) / st
 /// `exponents`.
 void TimeStyling(Report* numbers, Report* exponents);
 
+/// Times moving hair (beam/motion.h): a frame is one step of all hairs of 20 segments and their
+/// nodes in memory, of hair on the upper half of a hull that it is kept out of, held in its style,
+/// in air, while the head shakes. Appends "frame_20k_ms_one_core" and "frame_50k_ms" (two workers)
+/// to `numbers` and exponents over hairs and segments to `exponents`.
+void TimeMotion(Report* numbers, Report* exponents);
+
 }  // namespace mane
