@@ -15,7 +15,10 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 
 constexpr int kBlocksPerPiece = 4;
-constexpr double kGravity = 9.81;  // [m/s^2], under which grooms rest.
+// Under which grooms rest, head frame [m/s^2].
+const Vector3d kRestGravity(0, -9.81, 0);
+// Of the response of a beam's tip, that of a hanging chain's.
+constexpr double kChain = 1.45 / 2.1;
 // A hull that all points must be outside of is made smaller by so much more, relative.
 constexpr double kHullMargin = 1e-4;
 
@@ -71,40 +74,60 @@ beam::MotionSettings SettingsOf(const BeamOptions& options, std::optional<beam::
   return settings;
 }
 
+// What a guide's segments answer to, root first.
+struct Answer {
+  std::vector<double> response, hold;
+  double friction;
+};
+
+// Elastic hair that hangs is held by its weight, too. Where it is in equilibrium at rest, bending
+// balances what of gravity is across a segment; what is along it, G, turns it back as a pendulum's
+// weight does, so that what holds it is K + G (B11 with K for the sum). Lambda is that of a beam,
+// 2.1 / L, where K prevails, and that of a hanging chain, 1.45 / L, where G does. Segments that
+// stand against gravity are held by K alone.
+Answer AnswerOf(const BeamOptions& options, double rigidity, double density, double length,
+                double friction, std::span<const Vector3d> rest) {
+  const int k = options.segments;
+  Answer answer{beam::ResponseOf(length, k), beam::HoldOf(rigidity, density, length, k), 0};
+  double bending = 0, weight = 0;
+  for (int i = 0; i < k; ++i) {
+    const double K = options.hold * answer.hold[i];
+    const double G = options.hold > 0 ? std::max(0.0, kRestGravity.dot(rest[i])) : 0;
+    answer.hold[i] = K + G;
+    bending = K, weight = (weight * i + G) / (i + 1);
+  }
+  if (options.hold > 0) {
+    const double sum = bending + weight;
+    for (double& each : answer.response) each *= (bending + kChain * weight) / sum;
+    // Friction is in what bends, though it is counted of all that holds (B12).
+    answer.friction = friction * bending / sum;
+  }
+  if (options.tip_response) {
+    for (int i = 0; i < k; ++i) answer.response[i] = *options.tip_response * (i + 1) / k;
+  }
+  return answer;
+}
+
 beam::MotionBatch<float> MakeBatch(const groom::Groom& groom, const Beams& beams,
                                    std::optional<beam::Hull> hull) {
   const BeamOptions& options = beams.options;
-  const int k = options.segments;
-  std::vector<double> response, hold;
-  response.reserve(beams.directions.size());
-  hold.reserve(beams.directions.size());
+  std::vector<Answer> answers;
+  answers.reserve(groom.guide_count());
   std::vector<beam::MotionHair> hairs;
   for (int i = 0; i < groom.guide_count(); ++i) {
     const groom::Guide& guide = groom.guides[i];
     const rod::Strand& strand = guide.strand;
-    const double d = beams.segment_length[i], L = k * d;
+    const double d = beams.segment_length[i], L = options.segments * d;
     const double rho = strand.linear_density * strand.TotalLength() / L;
     const double EI = std::sqrt(strand.stiffness[1] * strand.stiffness[2]);
-    std::vector<double> own_response = beam::ResponseOf(L, k),
-                        own_hold = beam::HoldOf(EI, rho, L, k);
-    for (int j = 0; j < k; ++j) {
-      if (options.tip_response) own_response[j] = *options.tip_response * (j + 1) / k;
-      response.push_back(own_response[j]);
-      hold.push_back(options.hold * own_hold[j]);
-    }
-    hairs.push_back({guide.root.p,
-                     d,
-                     beams.rest_of(i),
-                     {},
-                     {},
-                     strand.air_drag / strand.linear_density,
-                     strand.internal_friction / EI});
+    const Answer& answer = answers.emplace_back(
+        AnswerOf(options, EI, rho, L, strand.internal_friction / EI, beams.rest_of(i)));
+    hairs.push_back({guide.root.p, d, beams.rest_of(i), answer.response, answer.hold,
+                     strand.air_drag / strand.linear_density, answer.friction});
   }
-  for (int i = 0; i < groom.guide_count(); ++i) {
-    hairs[i].response = std::span(response).subspan(static_cast<size_t>(i) * k, k);
-    hairs[i].hold = std::span(hold).subspan(static_cast<size_t>(i) * k, k);
-  }
-  return {k, hairs, {0, -kGravity, 0}, SettingsOf(options, std::move(hull))};
+  // Nothing balances the weight of what nothing holds.
+  const Vector3d gravity = options.hold > 0 ? kRestGravity : Vector3d::Zero();
+  return {options.segments, hairs, gravity, SettingsOf(options, std::move(hull))};
 }
 
 }  // namespace
