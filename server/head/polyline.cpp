@@ -15,7 +15,7 @@ namespace {
 
 // A length found to this part of itself is as good as float32 points are.
 constexpr double kLengthTolerance = 1e-5;
-constexpr int kMostHalvings = 24;
+constexpr int kMostTries = 24;
 
 // Largest fraction u in [0, 1] at which a + u (b - a) is at `distance` from `center`, a being
 // nearer and b not.
@@ -37,7 +37,8 @@ double Stride(std::span<const Vector3f> curve, double stride, std::span<Vector3d
   Vector3d last = (curve[1] - curve[0]).cast<double>().normalized();
   size_t next = 1;
   for (size_t i = 0; i < directions.size(); ++i) {
-    while (next < curve.size() && (curve[next].cast<double>() - node).norm() < stride) {
+    while (next < curve.size() &&
+           (curve[next].cast<double>() - node).squaredNorm() < stride * stride) {
       a = curve[next++].cast<double>();
     }
     if (next == curve.size()) {
@@ -58,14 +59,21 @@ double Stride(std::span<const Vector3f> curve, double stride, std::span<Vector3d
 double StrideLength(std::span<const Vector3f> curve, double length, int strides) {
   thread_local std::vector<Vector3d> directions;
   directions.resize(strides);
-  double high = length / strides;
+  // So many strides too many of either length; of a line that is straight, none.
+  double high = length / strides, above = Stride(curve, high, directions) - strides;
+  if (above >= -kLengthTolerance * strides) return high;
   // The straight way bounds it from below, but for a curve that ends where it begins.
   double low =
       std::max((curve.back() - curve.front()).cast<double>().norm() / strides, 1e-3 * high);
-  if (Stride(curve, high, directions) >= strides * (1 - kLengthTolerance)) return high;
-  for (int i = 0; i < kMostHalvings && high - low > kLengthTolerance * high; ++i) {
-    const double middle = 0.5 * (low + high);
-    (Stride(curve, middle, directions) > strides ? low : high) = middle;
+  double below = Stride(curve, low, directions) - strides;
+  for (int i = 0; i < kMostTries && high - low > kLengthTolerance * high; ++i) {
+    // Where a line through both ends would have it, but well inside.
+    const double guess = below > above ? below / (below - above) : 0.5;
+    const double middle = low + std::clamp(guess, 0.05, 0.95) * (high - low);
+    const double off = Stride(curve, middle, directions) - strides;
+    if (std::abs(off) <= kLengthTolerance) return middle;
+    (off > 0 ? low : high) = middle;
+    (off > 0 ? below : above) = off;
   }
   return high;
 }

@@ -22,8 +22,8 @@ inline constexpr double kGroupSteps = 0.5;
 inline constexpr double kBodySteps = 0.15;
 /// What it counts as on top for every guide of a groom whose wisps meet (likewise).
 inline constexpr double kWispSteps = 0.7;
-/// What a segment of a beam counts as, its share of the frame's nodes included: 7 to 15 ns against
-/// the 50 to 75 of an element, measured side by side with AVX-512.
+/// What a segment of a beam counts as: a seventh to a fifth of an element's time, as measured side
+/// by side with AVX-512, in hundreds and in thousands of guides.
 inline constexpr double kBeamSteps = 0.2;
 /// Element-steps that the diagnostics of one element count as, as measured against AVX-512's
 /// (`tests/bench/run rod`); they take some 430 ns.

@@ -133,7 +133,15 @@ def demo(
             )
             look = Look(kind.hair_color, tip_part=kind.tip_part, size=size)
             positions = animate(
-                client, scalp, generate, track, kind.points, substeps, name, scalp_contact, animation
+                client,
+                scalp,
+                generate,
+                track,
+                kind.points,
+                substeps,
+                name,
+                scalp_contact,
+                animation,
             )
             stem = f"{head.stem if head else 'mannequin'}-{Path(motion).stem}-{name}"
             title = f"{name}, {100 * length:g} cm, {guides} guides, {Path(motion).stem}"
