@@ -184,6 +184,27 @@ TEST(BeamsTest, HostileMotionKeepsLengthsAndIsFinite) {
   }
 }
 
+TEST(BeamsTest, EveryTenthStepDraws) {
+  const auto groom = SampleGroom(8, 5);
+  exec::WorkerPool pool(1);
+  HeadState state = AtRest(*groom, {});
+  BeamOptions options;
+  options.fluctuation = 0.2;
+  StartBeams(MakeBeams(*groom, nullptr, options, pool), &state);
+  auto last = Points(*groom, state, 17, pool);
+  for (int frame = 0; frame < 30; ++frame) {
+    Advance(*groom, {{}, 1 / 60.0, 2}, {}, &state, pool);
+    const auto now = Points(*groom, state, 17, pool);
+    // Two steps a frame.
+    if (frame % 5 == 0) {
+      EXPECT_GT(Farthest(now, last), 8e-3) << frame;
+    } else {
+      EXPECT_LT(Farthest(now, last), 6e-3) << frame;
+    }
+    last = now;
+  }
+}
+
 TEST(BeamsTest, NodesStayOutOfTheScalp) {
   exec::WorkerPool pool(2);
   const auto groom = GeneratedGroom(groom::HairType::kAsianSmooth, 60, 0.25, 6);

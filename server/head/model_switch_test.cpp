@@ -176,6 +176,52 @@ TEST(ModelSwitchTest, HairThatMovesAsOneWithTheHeadGoesOnSo) {
   EXPECT_LT(Farthest(Points(*groom, state, kPoints, pool), calm), 2e-3);
 }
 
+TEST(ModelSwitchTest, SwingingHairGoesOnSwinging) {
+  exec::WorkerPool pool(1);
+  const auto groom = GeneratedGroom(groom::HairType::kAsianSmooth, 20, 0.25, 6);
+  BeamOptions options;
+  options.avoid_head = false;  // Rods swing through it.
+  const auto beams = MakeBeams(*groom, nullptr, options, pool);
+  for (const bool to_beams : {true, false}) {
+    HeadState state = AtRest(*groom, {});
+    if (!to_beams) StartBeams(beams, &state);
+    for (int i = 0; i < 20; ++i) {  // Pushed off, and left to swing.
+      math::Pose to = state.pose;
+      to.p.x() += i < 10 ? 0.01 : 0;
+      Advance(*groom, {to, 1 / 60.0, 1}, {}, &state, pool);
+    }
+    const auto move = [&] {
+      const auto before = Points(*groom, state, 2, pool);
+      Advance(*groom, {state.pose, 1 / 60.0, 1}, {}, &state, pool);
+      const auto after = Points(*groom, state, 2, pool);
+      Vector3d sum = Vector3d::Zero();  // Of all tips.
+      for (size_t i = 1; i < after.size(); i += 2) sum += (after[i] - before[i]).cast<double>();
+      return Vector3d(sum / groom->guide_count());
+    };
+    const Vector3d last = move();
+    EXPECT_GT(last.norm(), 2e-3);
+    SwitchModel(*groom, to_beams ? beams : nullptr, 2, &state, pool);
+    EXPECT_LT((move() - last).norm(), 0.35 * last.norm()) << to_beams;
+  }
+}
+
+TEST(ModelSwitchTest, BeamsTurnWithTheHead) {
+  exec::WorkerPool pool(1);
+  const auto groom = SampleGroom(8, 5);
+  const auto beams = MakeBeams(*groom, nullptr, {}, pool);
+  HeadState state = AtRest(*groom, Shaken(1));
+  state.beams.spin = {1, 2, -0.5};
+  SwitchModel(*groom, beams, kPoints, &state, pool);
+  const int k = beams->options.segments;
+  std::vector<Vector3d> directions(k), rates(k);
+  for (int guide = 0; guide < groom->guide_count(); ++guide) {
+    beams->batch.GetHair(guide, state.beams.duration, state.beams.rows, directions, rates);
+    for (int i = 0; i < k; ++i) {
+      EXPECT_LT((rates[i] - state.beams.spin.cross(directions[i])).norm(), 1e-4) << guide;
+    }
+  }
+}
+
 TEST(TransitionTest, WhatIsShownOnFadesSmoothly) {
   const Transition transition{2, 5.0, {}};
   EXPECT_EQ(Remaining(transition, 5.0), 1);
