@@ -4,7 +4,7 @@
 
 namespace mane::beam {
 
-/// How hair shines ([AUK92] 4.1; beam.md, B17): one number for each, colours are the caller's, who
+/// How hair shines ([AUK92] 4.1; beam.md, B16): one number for each, colours are the caller's, who
 /// multiplies each part by what colour it has.
 struct Shine {
   double ambient_intensity = 1;  ///< I_a
@@ -19,10 +19,10 @@ struct Highlight {
   double ambient;   ///< I_a k_a f
   double specular;  ///< I_s Phi_s
 
-  [[nodiscard]] double total() const { return ambient + specular; }  ///< I (B17).
+  [[nodiscard]] double total() const { return ambient + specular; }  ///< I (B16).
 };
 
-/// Phi_s of B16: k_s (1 - (T . H)^2)^(n / 2), the brightest of what Blinn's model gives for the
+/// Phi_s of B17: k_s (1 - (T . H)^2)^(n / 2), the brightest of what Blinn's model gives for the
 /// normals of a thin cylinder.
 ///
 /// @param tangent   T, unit, either way along the hair.
@@ -32,7 +32,7 @@ struct Highlight {
 [[nodiscard]] double Specular(const Eigen::Vector3d& tangent, const Eigen::Vector3d& to_light,
                               const Eigen::Vector3d& to_eye, const Shine& shine);
 
-/// B17 of one light. `factor` is the hair's own one on k_a, f.
+/// B16 of one light. `factor` is the hair's own one on k_a, f.
 [[nodiscard]] Highlight HighlightOf(const Eigen::Vector3d& tangent, const Eigen::Vector3d& to_light,
                                     const Eigen::Vector3d& to_eye, const Shine& shine,
                                     double factor);

@@ -47,6 +47,8 @@ TEST(HighlightTest, Limits) {
   EXPECT_EQ(Specular(x, z, -z, shine), 0);          // No H.
   const Shine flat{.specular = 0.7, .exponent = 0};
   EXPECT_DOUBLE_EQ(Specular(x, y, (x + z).normalized(), flat), 0.7);
+  EXPECT_EQ(Specular(x, z, -z, flat), 0);
+  EXPECT_EQ(Specular(x, z, (-z + 1e-9 * x).normalized(), shine), 0);
 }
 
 TEST(HighlightTest, AddsTheAmbientLight) {

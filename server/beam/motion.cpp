@@ -48,8 +48,8 @@ struct Tangents {
         sine(std::sin(t)) {}
 };
 
-// Nearer to the axis, a direction's azimuth does not turn (motion_polar.h).
-constexpr double kAxis = 1e-4;
+// Nearer to the axis, a direction's azimuth does not turn; near it, not far (motion_polar.h).
+constexpr double kAxis = 1e-4, kMostTurn = 1.25;
 
 // Puts one lane of a segment's state to a direction and its step.
 template <typename T>
@@ -66,7 +66,8 @@ void SetSegment(bool polar, const Vector3d& e, const Vector3d& step, int lane, s
   set(layout::kZenith, t);
   set(layout::kAzimuth, f);
   set(layout::kZenithStep, step.dot(at.u));
-  set(layout::kAzimuthStep, level > kAxis ? step.dot(at.v) / level : 0);
+  set(layout::kAzimuthStep,
+      level > kAxis ? std::clamp(step.dot(at.v) / level, -kMostTurn, kMostTurn) : 0);
 }
 
 // Reads them back.

@@ -129,6 +129,23 @@ TEST(MotionBoundedTest, NothingDrifts) {
     const auto nodes = moving.Nodes(kernels, 0);
     EXPECT_NEAR((nodes[2] - nodes[1]).norm(), moving.hair(0).segment_length, 1e-8);
     EXPECT_LT(moving.Steps(0)[1].norm(), 1);
+    EXPECT_LT(std::abs(moving.Steps(0)[1].dot(moving.Directions(0)[1])), 1e-8);
+  }
+}
+
+// Angles of hair that goes round and round stay where float32 resolves them.
+TEST(MotionBoundedTest, AnglesStayWithinHalfATurn) {
+  MotionSettings settings;
+  settings.equations = Equations::kPolar;
+  settings.clamped = false;
+  Moving<float> moving({fixtures::Free(1, {0, 0.3, 1}, 1)}, settings);
+  const Vector3d e = moving.Directions(0)[0], rate(0.7, 0, 0);
+  for (const Vector3d& way : {rate, Vector3d(-rate)}) {
+    moving.Set(0, std::span(&e, 1), std::span(&way, 1), 1);
+    for (int i = 0; i < 1000; ++i) {
+      moving.Step(KernelsFor<float>(simd::Best()), fixtures::Still(Vector3d::Zero(), 1));
+      ASSERT_LE(std::abs(moving.state()[layout::kAzimuth].lane[0]), 3.1416F);
+    }
   }
 }
 

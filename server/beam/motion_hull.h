@@ -84,14 +84,20 @@ struct AtHull : Turns<T, W> {
     e = Select(inside, Select(p0 >= V{}, Renormalised(turned), outward), e);
   }
 
-  /// `moved`, of a segment that ends on the hull, without what of it goes into the hull; `rides` is
-  /// the step of a segment that turns with the head.
+  /// `went`, of a segment that ends on the hull at y, without what of it goes into the hull, and
+  /// not faster than `speed` (squared), both as seen from the head, with which it would go `rides`.
   [[gnu::always_inline]] static Vec Stopped(const layout::MotionStep<T>& step, const Vec& y,
-                                            const Vec& e, const Vec& rides, const Vec& moved) {
+                                            const Vec& e, const Vec& rides, const V& speed,
+                                            const Vec& went) {
     const Vec n = Across(TransposeTimes(step.to_hull, y), e);
-    const V square = Dot(n, n), into = Dot(moved - rides, n);
+    const V square = Dot(n, n);
+    Vec past = went - rides;
+    const V into = Dot(past, n);
     const auto goes = (into < T(0)) & (square > Base::kNothing);
-    return Select(goes, moved - Scaled(into / (goes ? square : V{} + 1), n), moved);
+    past = Select(goes, past - Scaled(into / (goes ? square : V{} + 1), n), past);
+    const V size = Dot(past, past);
+    const auto faster = size > speed;
+    return rides + Scaled(faster ? Sqrt(speed / (faster ? size : V{} + 1)) : V{} + 1, past);
   }
 
  private:

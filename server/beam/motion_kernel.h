@@ -38,6 +38,7 @@ struct AcrossSegment : AtHull<T, W> {
     Base::Turn(turned, delta);
     return turned;
   }
+  [[gnu::always_inline]] Vec LastStep() const { return delta; }
   [[gnu::always_inline]] void Fluctuate(const Vec& from, const Vec& to) {
     delta = Base::Carried(delta, from, to);
   }
@@ -138,9 +139,12 @@ struct Mover : AtHull<T, W> {
     auto moved = d < V{};
     if (shape.joints && i > 0) moved = moved | Base::Bend(shape.segment[i], previous, e);
     auto inside = d < V{};
+    V speed{};
     if (shape.avoid_hull) {
       inside = Base::Inside(step, y, d, e);
       if (Any(inside)) {
+        const Vec past = segment.LastStep() - Cross(All3(step.head_step), e);
+        speed = Dot(past, past);
         Base::TurnOut(step, inside, y, d, previous, e);
         moved = moved | inside;
       }
@@ -149,7 +153,7 @@ struct Mover : AtHull<T, W> {
     Vec went = Base::Moved(from, e);
     if (shape.avoid_hull) {
       const Vec end = y + Scaled(d, Times(step.to_hull, e)), rides = Cross(All3(step.head_step), e);
-      went = Select(inside, Base::Stopped(step, end, e, rides, went), went);
+      went = Select(inside, Base::Stopped(step, end, e, rides, speed, went), went);
     }
     segment.Correct(moved, e, went);
   }

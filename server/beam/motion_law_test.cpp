@@ -240,6 +240,39 @@ TEST(MotionLawTest, ThePlaneFollowsAForceThatTurns) {
   EXPECT_GT(moving.Directions(0)[0].z(), 1e-3);
 }
 
+// What direction hair has so near to the axis is kept when its plane is that of the force.
+TEST(MotionLawTest, LeavingTheAxisKeepsTheDirection) {
+  for (const double azimuth : {0.2, 1.0, 2.0, 3.0, -2.0}) {
+    MotionSettings settings;
+    settings.equations = Equations::kPolar;
+    settings.clamped = false;
+    const Vector3d F(0.01 * std::sin(azimuth), -1, 0.01 * std::cos(azimuth));
+    const Vector3d e = Vector3d(0, -1, 9e-5).normalized();
+    Moving<double> moving({Free(1, e, 1e-9)}, settings);
+    moving.Step(Kernels(), Still(F, 0.01));
+    // Its part in the plane, of either sign.
+    const Vector3d now = moving.Directions(0)[0];
+    EXPECT_GT(now.dot(e - e.y() * Vector3d::UnitY()) * std::cos(azimuth) * std::cos(azimuth), 0);
+    EXPECT_LT((now - e).norm(), 1.8e-4 * std::abs(std::sin(azimuth)) + 1e-8);
+  }
+}
+
+// And of its step what lies in that plane.
+TEST(MotionLawTest, LeavingTheAxisKeepsTheStepInThePlane) {
+  for (const double y : {1.0, -1.0}) {
+    for (const double azimuth : {0.2, 1.0, 2.0, 3.0, -2.0}) {
+      MotionSettings settings;
+      settings.equations = Equations::kPolar;
+      settings.clamped = false;
+      const Vector3d level(std::sin(azimuth), 0, std::cos(azimuth)), e(0, y, 0), rate(0, 0, 0.1);
+      Moving<double> moving({Free(1, e, 1e-9)}, settings);
+      moving.Set(0, std::span(&e, 1), std::span(&rate, 1), 0.01);
+      moving.Step(Kernels(), Still(level, 0.01));
+      EXPECT_LT((moving.Steps(0)[0] - 0.01 * rate.dot(level) * level).norm(), 1e-6);
+    }
+  }
+}
+
 // A held hair, 0.2 m of rho = 5e-6 and EI = 5e-9.
 OwnHair Held(int segments, const Vector3d& direction) {
   constexpr double kLength = 0.2;

@@ -21,6 +21,9 @@ struct PolarSegment : AtHull<T, W> {
 
   // Below this |sin t| the azimuth says nothing any more, and is that of F.
   static constexpr T kAxis = T(1e-4);
+  // Of a correction's step of f [rad]: near the axis a short way is a long turn, which would go on
+  // far from it.
+  static constexpr T kMostTurn = T(1.25);
 
   V t, f, t_step, f_step;
   Vec e;
@@ -55,6 +58,9 @@ struct PolarSegment : AtHull<T, W> {
     Take();
     return AtAngles();
   }
+  [[gnu::always_inline]] Vec LastStep() const {
+    return Scaled(t_step, {ct * sf, -st, ct * cf}) + Scaled(f_step * st, {cf, V{}, -sf});
+  }
   [[gnu::always_inline]] void Fluctuate(const Vec& /*from*/, const Vec& to) {
     SetDirection(t == t, to);
   }
@@ -64,7 +70,8 @@ struct PolarSegment : AtHull<T, W> {
     const Vec u{ct * sf, -st, ct * cf}, v{cf, V{}, -sf};
     const auto plain = (st > kAxis) | (st < -kAxis);
     t_step = moved ? Dot(step, u) : t_step;
-    f_step = moved ? (plain ? Dot(step, v) / (plain ? st : V{} + 1) : V{}) : f_step;
+    const V turn = plain ? Dot(step, v) / (plain ? st : V{} + 1) : V{}, most = V{} + kMostTurn;
+    f_step = moved ? (turn > most ? most : (turn < -most ? -most : turn)) : f_step;
   }
   [[gnu::always_inline]] void Write(const Vec& /*to*/, T* state) const {
     Put(t, state, layout::kZenith), Put(f, state, layout::kAzimuth);

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -161,6 +162,7 @@ void ReferenceStep(const MotionHair& hair, int index, const Vector3d& gravity,
     };
     const bool clamped = settings.clamped && i == 0;
     bool corrected = clamped, inside = false;
+    double speed = 0;
     if (clamped) {
       e = rest;
     } else {
@@ -208,6 +210,9 @@ void ReferenceStep(const MotionHair& hair, int index, const Vector3d& gravity,
         const Vector3d local = R.transpose() * e;
         if (Level(*settings.hull, p + hair.segment_length * local) < margin) {
           const Vector3d a = R.transpose() * (i == 0 ? rest : previous);
+          const Vector3d last =
+              polar ? at.t_step * U(at.t, at.f) + at.f_step * std::sin(at.t) * V(at.f) : delta;
+          speed = (last - w.cross(e)).norm();
           e = R * TurnedOut(*settings.hull, p, hair.segment_length, a, local, margin);
           corrected = inside = true;
         }
@@ -218,12 +223,14 @@ void ReferenceStep(const MotionHair& hair, int index, const Vector3d& gravity,
       if (inside) {
         const Vector3d end = p + hair.segment_length * (R.transpose() * e);
         const Vector3d n = Across(R * HalfGradient(*settings.hull, end), e).normalized();
-        went -= std::min(0.0, (went - w.cross(e)).dot(n)) * n;
+        Vector3d past = went - w.cross(e);
+        past -= std::min(0.0, past.dot(n)) * n;
+        went = w.cross(e) + std::min(1.0, speed / past.norm()) * past;
       }
       delta = went;
       set(e);
       at.t_step = went.dot(U(at.t, at.f));
-      at.f_step = went.dot(V(at.f)) / std::sin(at.t);
+      at.f_step = std::clamp(went.dot(V(at.f)) / std::sin(at.t), -1.25, 1.25);
     }
     state->e[i] = e;
     p += hair.segment_length * (R.transpose() * e);
