@@ -1,5 +1,6 @@
 // Laws of a head whose guides are beams:
 //   rest        it keeps the nodes of the groom's rest shape, of any hair, standing still
+//   bodies      its rest shape is that to which hair settled among them
 //   workers     any number of them gives the same bits; a copy of the state replays them
 //   teleport    the shape goes along, seen from the head
 //   lengths     no guide is ever longer than it is, nor leaves its root; all is finite
@@ -110,6 +111,25 @@ TEST(BeamsTest, RestStaysAtRestAndResetBringsItBack) {
     Teleport(*groom, {}, &state);
     EXPECT_LT(Farthest(Points(*groom, state, 17, pool), start), 1e-6);
   }
+}
+
+TEST(BeamsTest, AmongBodiesRestIsWhereHairSettled) {
+  exec::WorkerPool pool(2);
+  groom::Groom groom = *GeneratedGroom(groom::HairType::kAsianSmooth, 12, 0.25, 0);
+  groom.scalp_friction = groom::Friction{};
+  contact::FieldCache fields({}, size_t{1} << 20, 1);
+  const auto bodies = *MakeBodies(groom, &fields, pool);
+  HeadState state = AtRest(groom, {});
+  const auto solved = Points(groom, state, 17, pool);
+  StartContact(groom, bodies, &state);
+  const auto settled = Points(groom, state, 17, pool);
+  ASSERT_GT(Farthest(settled, solved), 5e-3);
+  SwitchModel(groom, MakeBeams(groom, bodies.get(), {}, pool), 17, &state, pool);
+  for (int i = 0; i < 60; ++i) Advance(groom, {{}, 1 / 60.0, 1}, {}, &state, pool);
+  EXPECT_LT(Farthest(Points(groom, state, 17, pool), settled), 2e-3);
+  SwitchModel(groom, nullptr, 17, &state, pool);
+  for (int i = 0; i < 60; ++i) Advance(groom, {{}, 1 / 60.0, 1}, {}, &state, pool);
+  EXPECT_LT(Farthest(Points(groom, state, 17, pool), settled), 2e-3);
 }
 
 TEST(BeamsTest, AnyNumberOfWorkersGivesTheSameBits) {
