@@ -15,7 +15,9 @@ enum class Model { kSuperHelix, kBeam };
 /// for all default; see beam::MotionSettings.
 struct BeamOptions {
   int segments = 16;  ///< k of every guide, 2 to 64.
-  double hold = 1;    ///< Factor on what holds segments in their directions at rest (B11).
+  /// Factor on the stiffness that holds segments in their directions at rest (B11); 0 as published:
+  /// then nothing does, not the weight of what hangs either.
+  double hold = 1;
   beam::Equations equations = beam::Equations::kAcross;
   bool bounded = true;
   bool clamped = true;
@@ -27,7 +29,7 @@ struct BeamOptions {
   double fluctuation = 0;           ///< [rad]
   uint64_t seed = 0;
   /// lambda_k [1/m], of which others have their part i / k (B8); empty for 2.1 over the length of
-  /// a guide's polyline.
+  /// a guide's polyline where stiffness prevails, 1.45 where weight does.
   std::optional<double> tip_response;
 
   bool operator==(const BeamOptions&) const = default;
