@@ -96,6 +96,25 @@ v1::Environment ToProto(const Environment& environment) {
   return out;
 }
 
+v1::BeamMotion ToProto(const BeamMotion& beam) {
+  v1::BeamMotion out;
+  out.set_segments(beam.segments);
+  if (beam.hold) out.set_hold(*beam.hold);
+  out.set_equations(static_cast<v1::BeamEquations>(beam.equations));
+  out.set_unbounded(beam.unbounded);
+  if (beam.clamped) out.set_clamped(*beam.clamped);
+  if (beam.avoid_head) out.set_avoid_head(*beam.avoid_head);
+  if (beam.alpha) out.set_alpha(*beam.alpha);
+  if (beam.near_m) out.set_near_m(*beam.near_m);
+  out.mutable_epsilon()->Assign(beam.epsilon.begin(), beam.epsilon.end());
+  out.mutable_largest_turn_rad()->Assign(beam.largest_turn_rad.begin(),
+                                         beam.largest_turn_rad.end());
+  out.set_fluctuation_rad(beam.fluctuation_rad);
+  out.set_seed(beam.seed);
+  if (beam.tip_response) out.set_tip_response(*beam.tip_response);
+  return out;
+}
+
 v1::OpenHead ToProto(const HeadOptions& options) {
   v1::OpenHead out;
   out.set_groom(options.groom);
@@ -110,6 +129,9 @@ v1::OpenHead ToProto(const HeadOptions& options) {
   out.set_max_unacked_frames(options.max_unacked_frames);
   *out.mutable_initial_pose() = ToProto(options.initial_pose);
   *out.mutable_environment() = ToProto(options.environment);
+  out.set_model(static_cast<v1::AnimationModel>(options.model));
+  *out.mutable_beam() = ToProto(options.beam);
+  out.set_may_shed(options.may_shed);
   return out;
 }
 

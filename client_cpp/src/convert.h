@@ -27,6 +27,7 @@ v1::Body ToProto(const Body& body);  ///< Without the lists of a mesh.
 v1::ScalpContact ToProto(const ScalpContact& contact);
 v1::BodyPose ToProto(const BodyPose& body);
 v1::Environment ToProto(const Environment& environment);
+v1::BeamMotion ToProto(const BeamMotion& beam);
 v1::OpenHead ToProto(const HeadOptions& options);
 
 Pose FromProto(const v1::Pose& pose);  ///< Unset parts are the origin and the identity.

@@ -142,6 +142,7 @@ Result<std::shared_ptr<const Frame>> FrameDecoder::Decode(const v1::HairFrame& f
   out->step_ms = frame.step_ms();
   out->repaired_guides = frame.repaired_guides();
   out->stepped_elements = frame.stepped_elements();
+  if (frame.model() == v1::ANIMATION_MODEL_BEAM) out->model = AnimationModel::kBeam;
   if (frame.has_diagnostics()) {
     const v1::Diagnostics& d = frame.diagnostics();
     out->diagnostics = Diagnostics{d.kinetic_energy_j(), d.elastic_energy_j(), d.gravity_energy_j(),

@@ -39,6 +39,10 @@ Result<void> Head::SetEnvironment(const Environment& environment) {
   return stream_->SetEnvironment(environment);
 }
 
+Result<void> Head::SetModel(AnimationModel model, const std::optional<BeamMotion>& beam) {
+  return stream_->SetModel(model, beam);
+}
+
 std::shared_ptr<const Frame> Head::NewestFrame() { return stream_->NewestFrame(); }
 
 Result<std::shared_ptr<const Frame>> Head::Step(double time_s, const Pose& pose,

@@ -45,6 +45,8 @@ HeadStream::HeadStream(std::shared_ptr<Transport> transport, HeadOptions options
       jitter_(std::random_device{}()),
       request_id_(RandomId()),
       environment_(options_.environment),
+      model_(options_.model),
+      beam_(options_.beam),
       last_pose_(options_.initial_pose) {}
 
 void HeadStream::Open() {
@@ -126,6 +128,17 @@ Result<void> HeadStream::SetEnvironment(const Environment& change) {
   if (auto closed = ClosedLocked()) return *closed;
   Merge(change, environment_);
   outbox_.PutEnvironment(change);
+  PumpLocked();
+  return {};
+}
+
+Result<void> HeadStream::SetModel(AnimationModel model, const std::optional<BeamMotion>& beam) {
+  std::lock_guard lock(mutex_);
+  if (auto closed = ClosedLocked()) return *closed;
+  model_ = model;
+  model_set_ = true;
+  if (beam) beam_ = *beam;
+  outbox_.PutModel(model, beam);
   PumpLocked();
   return {};
 }
@@ -237,6 +250,8 @@ v1::AnimateRequest HeadStream::OpenRequestLocked() {
     open = ToProto(options_);
     *open.mutable_initial_pose() = ToProto(last_pose_);
     *open.mutable_environment() = ToProto(environment_);
+    open.set_model(static_cast<v1::AnimationModel>(model_));
+    *open.mutable_beam() = ToProto(beam_);
     open.set_request_id(request_id_);
   }
   return request;
@@ -399,6 +414,7 @@ void HeadStream::OnOpened(const v1::Opened& opened) {
   if (resuming_) {
     ++status_.resumes;
     outbox_.PutEnvironment(environment_);  // A change may have been lost on its way.
+    if (model_set_) outbox_.PutModel(model_, beam_);
   } else if (was_open_) {
     ++status_.reopenings;
   }

@@ -52,6 +52,7 @@ class HeadStream final : public AnimateCall::Events,
                         const std::vector<BodyPose>& bodies);
   Result<void> Reset();
   Result<void> SetEnvironment(const Environment& change);
+  Result<void> SetModel(AnimationModel model, const std::optional<BeamMotion>& beam);
   FramePtr NewestFrame();
   HeadStatus Status() const;
   void Close();
@@ -119,6 +120,9 @@ class HeadStream final : public AnimateCall::Events,
   // To the server.
   Outbox outbox_;
   Environment environment_;  // All changes so far, for a head that is opened anew.
+  AnimationModel model_;     // The newest, likewise.
+  BeamMotion beam_;
+  bool model_set_ = false;  // By SetModel().
   Pose last_pose_;
   std::vector<BodyPose> bodies_;  // kRealtime: newest poses of all that were placed.
   double last_time_s_ = -std::numeric_limits<double>::infinity();

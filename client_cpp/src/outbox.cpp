@@ -31,10 +31,18 @@ void Outbox::PutEnvironment(const Environment& change) {
   Merge(change, *environment_);
 }
 
+void Outbox::PutModel(AnimationModel model, const std::optional<BeamMotion>& beam) {
+  if (!model_) model_.emplace();
+  model_->set_model(static_cast<v1::AnimationModel>(model));
+  if (beam) *model_->mutable_beam() = ToProto(*beam);
+}
+
 v1::AnimateRequest Outbox::Take() {
   v1::AnimateRequest request;
   if (environment_) {
     *request.mutable_environment() = ToProto(*std::exchange(environment_, std::nullopt));
+  } else if (model_) {
+    *request.mutable_model() = *std::exchange(model_, std::nullopt);
   } else if (std::exchange(reset_, false)) {
     request.mutable_reset();
   } else if (teleport_) {

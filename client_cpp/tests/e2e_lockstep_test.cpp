@@ -61,6 +61,30 @@ double Difference(const Frame& a, const Frame& b, const Pose& b_to_a = {}) {
   return worst;
 }
 
+TEST(E2eLockstep, AHeadChangesItsModel) {
+  Daemon daemon;
+  Client client = daemon.Connect();
+  HeadOptions options = Lockstep(Create(client, WavyGroom(6)));
+  options.model = AnimationModel::kBeam;
+  options.beam.segments = 9;
+  Head head = client.OpenHead(options);
+  for (int i = 0; i < 12; ++i) {
+    if (i == 4) {
+      EXPECT_TRUE(head.SetModel(AnimationModel::kSuperHelix));
+    }
+    if (i == 8) {
+      EXPECT_TRUE(head.SetModel(AnimationModel::kBeam));
+    }
+    const auto frame = head.Step(i * kStep, MotionAt(i * kStep));
+    ASSERT_TRUE(frame) << frame.error().message;
+    const bool beam = i < 4 || i >= 8;
+    EXPECT_EQ((*frame)->model, beam ? AnimationModel::kBeam : AnimationModel::kSuperHelix) << i;
+    if (beam) {
+      EXPECT_EQ((*frame)->stepped_elements, 6U * 9U);
+    }
+  }
+}
+
 TEST(E2eLockstep, EightHeadsAtOnceReplayBitForBit) {
   constexpr int kHeads = 8, kSteps = 90;
   Daemon daemon;

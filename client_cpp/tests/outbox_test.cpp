@@ -61,6 +61,20 @@ TEST(Outbox, ATeleportReplacesOlderPosesAndComesBeforeNewerOnes) {
   EXPECT_TRUE(outbox.empty());
 }
 
+TEST(Outbox, KeepsTheNewestModelAndTheNewestBeams) {
+  Outbox outbox;
+  outbox.PutPose(1, At(1));
+  outbox.PutModel(AnimationModel::kBeam, BeamMotion{.segments = 12, .epsilon = {0.5F}});
+  outbox.PutModel(AnimationModel::kSuperHelix, {});
+  const auto message = outbox.Take();
+  EXPECT_EQ(message.model().model(), v1::ANIMATION_MODEL_SUPER_HELIX);
+  EXPECT_EQ(message.model().beam().segments(), 12U);
+  EXPECT_EQ(message.model().beam().epsilon(0), 0.5F);
+  EXPECT_FALSE(message.model().beam().has_hold());
+  EXPECT_TRUE(outbox.Take().has_pose());
+  EXPECT_TRUE(outbox.empty());
+}
+
 TEST(Outbox, MergesEnvironmentsFieldByField) {
   Outbox outbox;
   outbox.PutEnvironment({.wind_velocity = Vector3{1, 0, 0}, .air_drag_scale = 2});

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import mane
-from mane import messages, stream
+from mane import beams, messages, stream
 from mane.outbox import Feed, Outbox
 from mane.v1 import animation_pb2
 
@@ -167,3 +167,13 @@ def test_a_message_put_first_overtakes_what_waits():
 def test_unknown_choices_are_refused_with_the_known_ones(options, field):
     with pytest.raises(mane.InvalidArgument, match=f"{field}: is '.*', must be one of "):
         stream.open_head("grooms/x", **options)
+
+
+def test_the_last_model_is_repeated_with_the_last_beams():
+    memory = stream.ModelMemory()
+    assert memory.request() is None
+    memory.add(beams.set_model("beam", mane.BeamMotion(segments=9)))
+    memory.add(beams.set_model("super_helix", None))
+    repeated = memory.request().model
+    assert repeated.model == animation_pb2.ANIMATION_MODEL_SUPER_HELIX
+    assert repeated.beam.segments == 9

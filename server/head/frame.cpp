@@ -1,17 +1,15 @@
 #include "head/frame.h"
 
-#include <array>
 #include <span>
 #include <vector>
 
 #include "base/check.h"
-#include "head/kernels.h"
+#include "head/points.h"
+#include "head/shown.h"
 #include "wire/frame_codec.h"
 
 namespace mane::head {
 namespace {
-
-using PoseRows = std::array<rod::Row<float>, rod::layout::kPoseRows>;
 
 constexpr int kBlocksPerPiece = 4;
 
@@ -28,49 +26,51 @@ size_t GuideSize(const View& view, size_t coordinates) {
   MANE_CHECK(false);
 }
 
-// One worker's memory.
-struct Scratch {
-  std::vector<rod::Row<float>> positions;  // (points x 3)
-  std::vector<Eigen::Vector3f> points;
-  std::vector<double> coordinates;
-};
-
 void EncodeBlockCoordinates(const groom::Groom& groom, const rod::Batch<float>::Block& block,
-                            const HeadState& state, std::span<std::byte> data, Scratch& scratch) {
+                            const HeadState& state, std::span<std::byte> data,
+                            std::vector<double>& coordinates) {
   for (int lane = 0; lane < block.count; ++lane) {
     const int guide = block.strands[lane];
-    scratch.coordinates.resize(groom.guides[guide].coordinate_count());
-    groom.batch.GetCoordinates(guide, state.guides, scratch.coordinates);
+    coordinates.resize(groom.guides[guide].coordinate_count());
+    groom.batch.GetCoordinates(guide, state.guides, coordinates);
     const auto bytes = data.subspan(wire::CoordinatesSize(groom.first_coordinate[guide]),
-                                    wire::CoordinatesSize(scratch.coordinates.size()));
-    wire::EncodeCoordinates(scratch.coordinates, bytes);
+                                    wire::CoordinatesSize(coordinates.size()));
+    wire::EncodeCoordinates(coordinates, bytes);
   }
 }
 
-void EncodeBlockPositions(const groom::Groom& groom, const rod::Batch<float>::Block& block,
-                          const HeadState& state, const PoseRows& pose, const View& view,
-                          std::span<std::byte> data, Scratch& scratch) {
-  const int points = view.points_per_guide;
+void EncodePoints(const View& view, int guide, std::span<const Eigen::Vector3f> points,
+                  std::span<std::byte> data) {
   const size_t size = GuideSize(view, 0);
-  scratch.positions.resize(static_cast<size_t>(3) * points);
-  scratch.points.resize(points);
-  Kernels()
-      .Of(block.kind)
-      .sample(block.elements, groom.batch.constants(block), pose[0].lane,
-              state.guides[block.state].lane, points, scratch.positions[0].lane);
-  for (int lane = 0; lane < block.count; ++lane) {
-    const rod::Row<float>* row = scratch.positions.data();
-    for (Eigen::Vector3f& point : scratch.points) {
-      point = {row[0].lane[lane], row[1].lane[lane], row[2].lane[lane]};
-      row += 3;
-    }
-    const std::span<std::byte> bytes = data.subspan(block.strands[lane] * size, size);
-    if (view.format == FrameFormat::kPositionsFloat32) {
-      wire::EncodePositions(scratch.points, bytes);
-    } else {
-      wire::EncodeQuantized(scratch.points, bytes);
-    }
+  const std::span<std::byte> bytes = data.subspan(guide * size, size);
+  if (view.format == FrameFormat::kPositionsFloat32) {
+    wire::EncodePositions(points, bytes);
+  } else {
+    wire::EncodeQuantized(points, bytes);
   }
+}
+
+void EncodeBlockPositions(const groom::Groom& groom, int block, const HeadState& state,
+                          const View& view, std::span<std::byte> data, PointScratch& scratch) {
+  const int points = view.points_per_guide;
+  const bool in_head = view.space == Space::kHead;
+  if (!state.beams.active && state.transition.points == 0) {
+    ForRodPoints(groom, groom.batch.blocks()[block], state.guides,
+                 in_head ? math::Pose{} : state.pose, points, scratch,
+                 [&](int guide, std::span<const Eigen::Vector3f> own) {
+                   EncodePoints(view, guide, own, data);
+                 });
+    return;
+  }
+  const Eigen::Matrix3f back = state.pose.q.conjugate().toRotationMatrix().cast<float>();
+  const Eigen::Vector3f place = state.pose.p.cast<float>();
+  ForShownPoints(
+      groom, state, block, points, scratch, [&](int guide, std::span<Eigen::Vector3f> own) {
+        for (Eigen::Vector3f& point : own) {
+          point = in_head ? Eigen::Vector3f(back * point) : Eigen::Vector3f(point + place);
+        }
+        EncodePoints(view, guide, own, data);
+      });
 }
 
 }  // namespace
@@ -85,19 +85,17 @@ size_t FrameSize(const groom::Groom& groom, const View& view) {
 std::string EncodeFrame(const groom::Groom& groom, const HeadState& state, const View& view,
                         exec::WorkerPool& pool) {
   MANE_CHECK(view.points_per_guide >= 2);
+  MANE_CHECK(!state.beams.active || view.format != FrameFormat::kGeneralized);
   std::string bytes(FrameSize(groom, view), '\0');
   const std::span<std::byte> data = std::as_writable_bytes(std::span(bytes));
-  PoseRows pose;
-  rod::SetPose<float>(view.space == Space::kHead ? math::Pose{} : state.pose, 0,
-                      rod::layout::kLanes, pose);
-  const auto blocks = groom.batch.blocks();
-  pool.ParallelFor(static_cast<int>(blocks.size()), kBlocksPerPiece, [&](int begin, int end) {
-    thread_local Scratch scratch;
+  pool.ParallelFor(ShownBlocks(groom, state), kBlocksPerPiece, [&](int begin, int end) {
+    thread_local std::vector<double> coordinates;
+    thread_local PointScratch scratch;
     for (int i = begin; i < end; ++i) {
       if (view.format == FrameFormat::kGeneralized) {
-        EncodeBlockCoordinates(groom, blocks[i], state, data, scratch);
+        EncodeBlockCoordinates(groom, groom.batch.blocks()[i], state, data, coordinates);
       } else {
-        EncodeBlockPositions(groom, blocks[i], state, pose, view, data, scratch);
+        EncodeBlockPositions(groom, i, state, view, data, scratch);
       }
     }
   });

@@ -24,6 +24,9 @@ struct View {
 [[nodiscard]] size_t FrameSize(const groom::Groom& groom, const View& view);
 
 /// The state as bytes; guides are encoded in parallel.
+///
+/// @param view  not generalized where the head's guides are beams; its points are those of a
+///              transition that is under way.
 [[nodiscard]] std::string EncodeFrame(const groom::Groom& groom, const HeadState& state,
                                       const View& view, exec::WorkerPool& pool);
 

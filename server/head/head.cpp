@@ -233,83 +233,9 @@ int AdvanceAmongBodies(const groom::Groom& groom, int i, int fineness,
   return 0;
 }
 
-}  // namespace
-
-int StepCount(const Movement& movement) {
-  // The tolerance keeps a duration of one longest step, rounded up, whole.
-  const double longest = std::ceil(movement.duration / kLongestStep - 1e-6);
-  return std::max(movement.substeps, static_cast<int>(longest));
-}
-
-HeadState AtRest(const groom::Groom& groom, const math::Pose& pose) {
-  HeadState state;
-  state.pose = pose;
-  state.guides.resize(groom.batch.state_rows());
-  for (int guide = 0; guide < groom.guide_count(); ++guide) PutToRest(groom, guide, &state);
-  return state;
-}
-
-void Reset(const groom::Groom& groom, HeadState* state) {
-  for (Detail::Block& block : state->detail.blocks) block.level = 0, block.calm = 0;
-  if (state->contact.bodies != nullptr) {
-    ResetContact(state);
-    return;
-  }
-  for (int guide = 0; guide < groom.guide_count(); ++guide) PutToRest(groom, guide, state);
-}
-
-std::vector<double> Coordinates(const groom::Groom& groom, const HeadState& state) {
-  std::vector<double> coordinates(groom.coordinate_count());
-  for (int guide = 0; guide < groom.guide_count(); ++guide) {
-    groom.batch.GetCoordinates(
-        guide, state.guides,
-        std::span(coordinates)
-            .subspan(groom.first_coordinate[guide], groom.guides[guide].coordinate_count()));
-  }
-  return coordinates;
-}
-
-void Teleport(const groom::Groom& groom, const math::Pose& pose, HeadState* state) {
-  const Eigen::Quaterniond turn = pose.q * state->pose.q.conjugate();
-  groom.batch.RotateVelocities(turn.toRotationMatrix(), state->guides);
-  for (int i = 0; i < std::ssize(groom.batch.blocks()); ++i) {
-    if (LevelOf(*state, i) == 0) continue;
-    state->detail.levels->At(i, LevelOf(*state, i))
-        .batch.RotateVelocities(turn.toRotationMatrix(), CoarseState(groom, i, &state->detail));
-  }
-  state->detail.velocity = turn * state->detail.velocity;
-  state->detail.spin = turn * state->detail.spin;
-  const math::Pose moved = pose * state->pose.Inverse();
-  for (math::Pose& body : state->contact.moving) body = moved * body;
-  state->contact.velocity = turn * state->contact.velocity;
-  state->contact.spin = turn * state->contact.spin;
-  state->pose = pose;
-}
-
-HeadState FullDetail(const groom::Groom& groom, HeadState state) {
-  StopDetail(groom, &state);
-  return state;
-}
-
-int SteppedElements(const groom::Groom& groom, const HeadState& state) {
-  int elements = 0;
-  for (int i = 0; i < std::ssize(groom.batch.blocks()); ++i) {
-    const auto& block = groom.batch.blocks()[i];
-    const int level = LevelOf(state, i);
-    elements +=
-        block.count * (level == 0 ? block.elements : state.detail.levels->At(i, level).elements);
-  }
-  return elements;
-}
-
-StepReport Advance(const groom::Groom& groom, const Movement& movement,
-                   const Environment& environment, HeadState* state, exec::WorkerPool& pool) {
-  MANE_CHECK(movement.duration > 0 && movement.substeps >= 1);
-  MANE_CHECK(state->guides.size() == groom.batch.state_rows());
-  MANE_CHECK(movement.bodies.empty() || movement.bodies.size() == state->contact.moving.size());
-  if ((movement.target.p - state->pose.p).norm() > kFastestHead * movement.duration) {
-    Teleport(groom, movement.target, state);
-  }
+// The part of Advance that is about rods. Returns how many had to be put to rest.
+int AdvanceRods(const groom::Groom& groom, const Movement& movement, const Environment& environment,
+                HeadState* state, exec::WorkerPool& pool) {
   const bool bodies = state->contact.bodies != nullptr;
   const bool wisps = bodies && state->contact.bodies->wisps;
   // Wisps meet at points that a level of detail would change.
@@ -368,11 +294,103 @@ StepReport Advance(const groom::Groom& groom, const Movement& movement,
   if (bodies) {
     Remember(whole, &state->contact);
   }
+  return repaired;
+}
+
+}  // namespace
+
+int StepCount(const Movement& movement) {
+  // The tolerance keeps a duration of one longest step, rounded up, whole.
+  const double longest = std::ceil(movement.duration / kLongestStep - 1e-6);
+  return std::max(movement.substeps, static_cast<int>(longest));
+}
+
+HeadState AtRest(const groom::Groom& groom, const math::Pose& pose) {
+  HeadState state;
+  state.pose = pose;
+  state.guides.resize(groom.batch.state_rows());
+  for (int guide = 0; guide < groom.guide_count(); ++guide) PutToRest(groom, guide, &state);
+  return state;
+}
+
+void Reset(const groom::Groom& groom, HeadState* state) {
+  for (Detail::Block& block : state->detail.blocks) block.level = 0, block.calm = 0;
+  state->transition = {};
+  if (state->beams.active) PutBeamsToRest(state->pose, &state->beams);
+  if (state->contact.bodies != nullptr) {
+    ResetContact(state);
+    return;
+  }
+  for (int guide = 0; guide < groom.guide_count(); ++guide) PutToRest(groom, guide, state);
+}
+
+std::vector<double> Coordinates(const groom::Groom& groom, const HeadState& state) {
+  std::vector<double> coordinates(groom.coordinate_count());
+  for (int guide = 0; guide < groom.guide_count(); ++guide) {
+    groom.batch.GetCoordinates(
+        guide, state.guides,
+        std::span(coordinates)
+            .subspan(groom.first_coordinate[guide], groom.guides[guide].coordinate_count()));
+  }
+  return coordinates;
+}
+
+void Teleport(const groom::Groom& groom, const math::Pose& pose, HeadState* state) {
+  const Eigen::Quaterniond turn = pose.q * state->pose.q.conjugate();
+  groom.batch.RotateVelocities(turn.toRotationMatrix(), state->guides);
+  for (int i = 0; i < std::ssize(groom.batch.blocks()); ++i) {
+    if (LevelOf(*state, i) == 0) continue;
+    state->detail.levels->At(i, LevelOf(*state, i))
+        .batch.RotateVelocities(turn.toRotationMatrix(), CoarseState(groom, i, &state->detail));
+  }
+  TurnBeams(turn, &state->beams);
+  state->detail.velocity = turn * state->detail.velocity;
+  state->detail.spin = turn * state->detail.spin;
+  const math::Pose moved = pose * state->pose.Inverse();
+  for (math::Pose& body : state->contact.moving) body = moved * body;
+  state->contact.velocity = turn * state->contact.velocity;
+  state->contact.spin = turn * state->contact.spin;
+  state->pose = pose;
+}
+
+HeadState FullDetail(const groom::Groom& groom, HeadState state) {
+  StopDetail(groom, &state);
+  return state;
+}
+
+int SteppedElements(const groom::Groom& groom, const HeadState& state) {
+  if (state.beams.active) return groom.guide_count() * state.beams.beams->options.segments;
+  int elements = 0;
+  for (int i = 0; i < std::ssize(groom.batch.blocks()); ++i) {
+    const auto& block = groom.batch.blocks()[i];
+    const int level = LevelOf(state, i);
+    elements +=
+        block.count * (level == 0 ? block.elements : state.detail.levels->At(i, level).elements);
+  }
+  return elements;
+}
+
+StepReport Advance(const groom::Groom& groom, const Movement& movement,
+                   const Environment& environment, HeadState* state, exec::WorkerPool& pool) {
+  MANE_CHECK(movement.duration > 0 && movement.substeps >= 1);
+  MANE_CHECK(state->guides.size() == groom.batch.state_rows());
+  MANE_CHECK(movement.bodies.empty() || movement.bodies.size() == state->contact.moving.size());
+  if ((movement.target.p - state->pose.p).norm() > kFastestHead * movement.duration) {
+    Teleport(groom, movement.target, state);
+  }
+  int repaired = 0;
+  if (state->beams.active) {
+    repaired = AdvanceBeams(movement, environment, state, pool);
+  } else {
+    repaired = AdvanceRods(groom, movement, environment, state, pool);
+  }
+  RememberMovement(movement, state);
   state->pose = movement.target;
   if (!movement.bodies.empty()) {
     state->contact.moving.assign(movement.bodies.begin(), movement.bodies.end());
   }
   state->time += movement.duration;
+  if (Remaining(state->transition, state->time) == 0) state->transition = {};
   return {repaired};
 }
 

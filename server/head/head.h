@@ -7,8 +7,10 @@
 
 #include "exec/worker_pool.h"
 #include "groom/groom.h"
+#include "head/beam_motion.h"
 #include "head/contact.h"
 #include "head/detail.h"
+#include "head/transition.h"
 #include "head/wind.h"
 #include "math/rigid.h"
 #include "rod/batch.h"
@@ -34,6 +36,8 @@ struct HeadState {
   std::vector<rod::Row<float>> guides;  ///< As Groom::batch packs them, (state_rows).
   Detail detail;                        ///< Which of them are stepped with fewer elements.
   Contact contact;                      ///< What they meet.
+  BeamState beams;        ///< What moves in place of all this where the guides are beams.
+  Transition transition;  ///< Of a change between the two.
 };
 
 /// The groom's rest shape on a head at `pose`, standing still.
@@ -70,7 +74,7 @@ inline constexpr double kFastestHead = 300;
 /// with them.
 [[nodiscard]] HeadState FullDetail(const groom::Groom& groom, HeadState state);
 
-/// Elements that the next step will take, of all guides.
+/// Elements that the next step will take, of all guides; of beams, segments.
 [[nodiscard]] int SteppedElements(const groom::Groom& groom, const HeadState& state);
 
 /// Time steps that a movement takes.
@@ -83,7 +87,8 @@ struct StepReport {
 };
 
 /// Advances all guides along `movement`. A pure function of its arguments: the pool decides only
-/// who computes, so results are the same bits for any number of workers.
+/// who computes, so results are the same bits for any number of workers. Beams meet nothing but
+/// their hull: bodies move, and hair does not see it.
 StepReport Advance(const groom::Groom& groom, const Movement& movement,
                    const Environment& environment, HeadState* state, exec::WorkerPool& pool);
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "beam/kernels.h"
 #include "contact/meeting_kernels.h"
 #include "rod/kernels.h"
 #include "simd/isa.h"
@@ -15,6 +16,12 @@ namespace mane::head {
 /// Likewise those of contact.
 [[nodiscard]] inline const contact::MeetingKernels& Meetings() {
   static const contact::MeetingKernels& kernels = contact::MeetingKernelsFor(simd::Best());
+  return kernels;
+}
+
+/// Likewise those of beams.
+[[nodiscard]] inline const beam::KernelTable<float>& BeamKernels() {
+  static const beam::KernelTable<float>& kernels = beam::KernelsFor<float>(simd::Best());
   return kernels;
 }
 

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "rpc/convert_animation.h"
+#include "rpc/convert_model.h"
 #include "rpc/raw.h"
 #include "rpc/status.h"
 
@@ -76,6 +77,9 @@ Result<void> AnimateStream::Handle(const v1::AnimateRequest& request) {
       if (const auto ok = head_->Submit(*change); !ok) return ok.error();
       break;
     }
+    case v1::AnimateRequest::kModel:
+      if (const auto ok = ChangeModel(request.model()); !ok) return ok.error();
+      break;
     case v1::AnimateRequest::kAcknowledge:
     case v1::AnimateRequest::kOpen:
       break;
@@ -84,6 +88,18 @@ Result<void> AnimateStream::Handle(const v1::AnimateRequest& request) {
   }
   OnProgress();  // The acknowledgement may have made room for a frame.
   return {};
+}
+
+Result<void> AnimateStream::ChangeModel(const v1::SetModel& message) {
+  const head::ModelOptions now = head_->model();
+  const auto wanted = ToModelOptions(message, head_->options().view.format, now.beam, "model.");
+  if (!wanted) return wanted.error();
+  if (const auto room = registry_.AdmitModel(head_, *wanted); !room) {
+    OnNotice({session::Notice::Code::kModel, 0, now.model,
+              "the head keeps its model: " + room.error().message});
+    return {};
+  }
+  return head_->Submit(session::ModelCommand{*wanted});
 }
 
 void AnimateStream::StartOpening(const v1::OpenHead& open) {
@@ -161,6 +177,7 @@ v1::AnimateResponse AnimateStream::DescribeOpened(const session::OpenedHead& ope
   message->set_format(FromFormat(options.view.format));
   message->set_space(FromSpace(options.view.space));
   message->set_next_frame(head.next_frame());
+  message->set_model(FromModel(head.model().model));
   return response;
 }
 

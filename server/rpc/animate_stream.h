@@ -45,6 +45,7 @@ class AnimateStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grp
 
   // The reaction to one message; an error ends the call.
   Result<void> Handle(const v1::AnimateRequest& request);
+  Result<void> ChangeModel(const v1::SetModel& message);
   void StartOpening(const v1::OpenHead& open);
   bool MustMakeFields(const std::string& groom);
   Result<session::OpenedHead> Open(const v1::OpenHead& open);

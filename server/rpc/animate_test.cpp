@@ -108,6 +108,18 @@ TEST_F(AnimateTest, EveryBadFieldIsNamedAndOthersGoOn) {
        [](auto* r) { r->mutable_environment()->set_detail_tolerance_m(11); }},
       {"environment.air_drag_scale",
        [](auto* r) { r->mutable_environment()->set_air_drag_scale(kInfinity); }},
+      {"model.model",
+       [](auto* r) { r->mutable_model()->set_model(static_cast<v1::AnimationModel>(7)); }},
+      {"model.beam.segments",
+       [](auto* r) { r->mutable_model()->mutable_beam()->set_segments(65); }},
+      {"model.beam.hold", [](auto* r) { r->mutable_model()->mutable_beam()->set_hold(kNan); }},
+      {"model.beam.epsilon", [](auto* r) { r->mutable_model()->mutable_beam()->add_epsilon(0.5); }},
+      {"model.beam.largest_turn_rad[1]",
+       [](auto* r) {
+         r->mutable_model()->mutable_beam()->set_segments(2);
+         r->mutable_model()->mutable_beam()->add_largest_turn_rad(3);
+         r->mutable_model()->mutable_beam()->add_largest_turn_rad(3.2F);
+       }},
       {"open", [this](auto* r) { *r->mutable_open() = LockstepOf(groom_); }},
       {"kind", [](auto*) {}},
   };
@@ -124,6 +136,42 @@ TEST_F(AnimateTest, EveryBadFieldIsNamedAndOthersGoOn) {
   }
 }
 
+TEST_F(AnimateTest, AHeadIsAnimatedAsBeamsAndChangesItsModel) {
+  v1::OpenHead open = LockstepOf(groom_);
+  open.set_model(v1::ANIMATION_MODEL_BEAM);
+  open.mutable_beam()->set_segments(6);
+  TestStream stream(server_, open);
+  const auto shown = [&](int i) {
+    EXPECT_TRUE(stream.Pose(i / 60.0, 0.01 * i));
+    return stream.NextWholeFrame();
+  };
+  const v1::HairFrame first = shown(1);
+  EXPECT_EQ(first.model(), v1::ANIMATION_MODEL_BEAM);
+  EXPECT_GT(first.stepped_elements(), 0U);
+  EXPECT_EQ(first.stepped_elements() % 6, 0U);
+  v1::AnimateRequest change;
+  change.mutable_model()->set_model(v1::ANIMATION_MODEL_SUPER_HELIX);
+  stream.Write(change);
+  EXPECT_EQ(shown(2).model(), v1::ANIMATION_MODEL_SUPER_HELIX);
+  change.mutable_model()->set_model(v1::ANIMATION_MODEL_BEAM);
+  stream.Write(change);
+  const v1::HairFrame last = shown(3);
+  EXPECT_EQ(last.model(), v1::ANIMATION_MODEL_BEAM);  // And of as many segments as before.
+  EXPECT_EQ(last.stepped_elements(), first.stepped_elements());
+  EXPECT_EQ(last.data().size(), first.data().size());
+  EXPECT_TRUE(stream.Finish().ok());
+}
+
+TEST_F(AnimateTest, GeneralizedFramesCannotShowBeams) {
+  v1::OpenHead open = LockstepOf(groom_);
+  open.set_format(v1::FRAME_FORMAT_GENERALIZED);
+  TestStream stream(server_, open);
+  v1::AnimateRequest change;
+  change.mutable_model()->set_model(v1::ANIMATION_MODEL_BEAM);
+  stream.Write(change);
+  EXPECT_EQ(NamedField(stream.Finish()), "model.model");
+}
+
 TEST_F(AnimateTest, EveryBadOpenIsNamed) {
   struct Case {
     const char* field;
@@ -137,6 +185,18 @@ TEST_F(AnimateTest, EveryBadOpenIsNamed) {
       {"open.groom", kInvalid, [](auto* o) { o->set_groom("grooms/../../etc"); }},
       {"open.pacing", kInvalid, [](auto* o) { o->set_pacing(v1::PACING_UNSPECIFIED); }},
       {"open.format", kInvalid, [](auto* o) { o->set_format(static_cast<v1::FrameFormat>(9)); }},
+      {"open.model", kInvalid,
+       [](auto* o) {
+         o->set_format(v1::FRAME_FORMAT_GENERALIZED);
+         o->set_model(v1::ANIMATION_MODEL_BEAM);
+       }},
+      {"open.beam.alpha", kInvalid, [](auto* o) { o->mutable_beam()->set_alpha(-1.5); }},
+      {"open.beam.near_m", kInvalid, [](auto* o) { o->mutable_beam()->set_near_m(-1); }},
+      {"open.beam.tip_response", kInvalid, [](auto* o) { o->mutable_beam()->set_tip_response(0); }},
+      {"open.beam.fluctuation_rad", kInvalid,
+       [](auto* o) { o->mutable_beam()->set_fluctuation_rad(kNan); }},
+      {"open.beam.equations", kInvalid,
+       [](auto* o) { o->mutable_beam()->set_equations(static_cast<v1::BeamEquations>(5)); }},
       {"open.space", kInvalid, [](auto* o) { o->set_space(static_cast<v1::Space>(-1)); }},
       {"open.points_per_guide", kInvalid, [](auto* o) { o->set_points_per_guide(1); }},
       {"open.points_per_guide", kInvalid, [](auto* o) { o->set_points_per_guide(257); }},

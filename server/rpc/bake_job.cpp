@@ -4,8 +4,10 @@
 #include <cstring>
 
 #include "head/head.h"
+#include "head/model_switch.h"
 #include "rpc/convert_animation.h"
 #include "rpc/convert_body_poses.h"
+#include "rpc/convert_model.h"
 #include "rpc/convert_values.h"
 #include "rpc/limits.h"
 #include "session/admission.h"
@@ -95,6 +97,9 @@ Result<Bake> ToBake(const v1::BakeAnimationRequest& request) {
   const auto view = ToView(request.format(), request.space(), request.points_per_guide(), "");
   if (!view) return view.error();
   bake.view = *view;
+  const auto model = ToModelOptions(request, bake.view.format, {}, "");
+  if (!model) return model.error();
+  bake.model = *model;
   const auto environment = ToEnvironment(request.environment(), "environment");
   if (!environment) return environment.error();
   bake.environment = *environment;
@@ -137,7 +142,8 @@ Result<void> AdmitBake(const groom::Groom& groom, const Bake& bake) {
   }
   for (size_t i = 1; i < bake.motion.size(); ++i) {
     const head::Movement movement{{}, bake.motion[i].time - bake.motion[i - 1].time, bake.substeps};
-    if (auto ok = session::AdmitBakedFrame(groom, movement, static_cast<int>(i)); !ok) return ok;
+    if (auto ok = session::AdmitBakedFrame(groom, movement, static_cast<int>(i), bake.model); !ok)
+      return ok;
   }
   return {};
 }
@@ -161,7 +167,10 @@ Result<void> RunBake(GroomLibrary& grooms, exec::WorkerPool& pool, jobs::JobCont
 
   head::HeadState state = head::AtRest(groom, bake->motion.front().pose);
   head::StartContact(groom, asset->bodies, &state);
-  if (bake->environment.detail_tolerance > 0) {
+  const bool beam = bake->model.model == head::Model::kBeam;
+  if (beam) {
+    head::StartBeams(head::MakeBeams(groom, asset->bodies.get(), bake->model.beam, pool), &state);
+  } else if (bake->environment.detail_tolerance > 0) {
     head::StartDetail(groom, std::make_shared<const head::Levels>(groom, pool), &state.detail);
   }
   BakeChunk chunk;
@@ -185,6 +194,7 @@ Result<void> RunBake(GroomLibrary& grooms, exec::WorkerPool& pool, jobs::JobCont
     frame.data = head::EncodeFrame(groom, state, bake->view, pool);
     frame.repaired_guides = report.repaired_guides;
     frame.stepped_elements = head::SteppedElements(groom, state);
+    frame.model = bake->model.model;
     FromFrame(frame, 0, chunk.add_frames());
     if (chunk.ByteSizeLong() >= kChunkBytes || i + 1 == bake->motion.size()) {
       if (const auto ok = context.AppendResult(chunk.SerializeAsString()); !ok) return ok;

@@ -6,6 +6,7 @@
 
 #include "base/result.h"
 #include "head/frame.h"
+#include "head/model.h"
 #include "jobs/job_context.h"
 #include "mane/v1/bake.pb.h"
 #include "rpc/groom_library.h"
@@ -19,6 +20,7 @@ struct Bake {
   head::View view;
   head::Environment environment;
   int substeps = 1;
+  head::ModelOptions model;
   /// Moving bodies by name, each with a world pose for every pose of the motion.
   std::vector<std::pair<std::string, std::vector<math::Pose>>> bodies;
 };

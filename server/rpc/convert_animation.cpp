@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "rpc/convert_body_poses.h"
+#include "rpc/convert_model.h"
 #include "rpc/convert_values.h"
 #include "rpc/limits.h"
 
@@ -207,6 +208,10 @@ Result<session::HeadOptions> ToHeadOptions(const v1::OpenHead& message) {
   if (!environment) return environment.error();
   options.environment = *environment;
   options.diagnostics = message.diagnostics();
+  const auto model = ToModelOptions(message, options.view.format, {}, "open.");
+  if (!model) return model.error();
+  options.model = *model;
+  options.may_shed = message.may_shed();
   if (message.request_id().size() > kMaxRequestId) {
     return InvalidArgument("open.request_id",
                            fmt::format("open.request_id has {} bytes; at most {} are allowed",
@@ -241,6 +246,7 @@ void FromFrame(const session::Frame& frame, uint32_t skipped, v1::HairFrame* mes
   message->set_step_ms(1e3 * frame.step_seconds);
   message->set_repaired_guides(static_cast<uint32_t>(frame.repaired_guides));
   message->set_stepped_elements(static_cast<uint32_t>(frame.stepped_elements));
+  message->set_model(FromModel(frame.model));
   if (!frame.diagnostics) return;
   v1::Diagnostics* diagnostics = message->mutable_diagnostics();
   diagnostics->set_kinetic_energy_j(frame.diagnostics->kinetic_energy);
@@ -264,6 +270,11 @@ void FromNotice(const session::Notice& notice, v1::Notice* message) {
     case session::Notice::Code::kNoPoses:
       message->set_code(v1::Notice::CODE_NO_POSES);
       message->set_message("no pose for over a second; the head stands still");
+      break;
+    case session::Notice::Code::kModel:
+      message->set_code(v1::Notice::CODE_MODEL);
+      message->set_message(notice.why);
+      message->set_model(FromModel(notice.model));
       break;
   }
 }

@@ -20,7 +20,10 @@ double PointCount(const groom::Groom& groom, const head::View& view) {
 }
 
 // Says what a time step of `groom` is made of, as what is too much is to be told.
-std::string WhatSteps(const groom::Groom& groom) {
+std::string WhatSteps(const groom::Groom& groom, const head::ModelOptions& model = {}) {
+  if (model.model == head::Model::kBeam) {
+    return fmt::format("{} guides of {} segments", groom.guide_count(), model.beam.segments);
+  }
   std::string what = fmt::format("{} elements", groom.stepped_elements());
   if (!groom.has_contact) return what;
   const head::BodyCount count = head::CountBodies(groom);
@@ -34,10 +37,12 @@ std::string WhatSteps(const groom::Groom& groom) {
 }
 
 // What is less work for a frame of `groom`.
-std::string LessWork(const groom::Groom& groom, const head::Movement& movement) {
-  if (StepWork(groom, movement.substeps) > kMaxFrameWork && movement.substeps > 1) {
+std::string LessWork(const groom::Groom& groom, const head::Movement& movement,
+                     const head::ModelOptions& model) {
+  if (StepWork(groom, movement.substeps, model) > kMaxFrameWork && movement.substeps > 1) {
     return "use fewer substeps";
   }
+  if (model.model == head::Model::kBeam) return "use fewer guides or segments";
   std::string less = "use fewer guides or elements";
   if (groom.has_contact && head::CountBodies(groom).bodies > 1) less += ", fewer bodies";
   if (groom.has_contact && head::HasWisps(groom)) less += ", no wisps";
@@ -46,19 +51,23 @@ std::string LessWork(const groom::Groom& groom, const head::Movement& movement) 
 
 // The error for a frame of too much work, `what` of which takes the steps of `movement`.
 Error TooMuchWork(const groom::Groom& groom, const head::Movement& movement,
-                  const std::string& what, const std::string& instead, const std::string& field) {
+                  const head::ModelOptions& model, const std::string& what,
+                  const std::string& instead, const std::string& field) {
   const int steps = head::StepCount(movement);
-  return {
-      ErrorCode::kResourceExhausted,
-      fmt::format("{} takes {} time steps of {}, {:.0f} element-steps; at most {:.0f} are "
-                  "allowed in one frame: {}",
-                  what, steps, WhatSteps(groom), StepWork(groom, steps), kMaxFrameWork, instead),
-      field};
+  return {ErrorCode::kResourceExhausted,
+          fmt::format("{} takes {} time steps of {}, {:.0f} element-steps; at most {:.0f} are "
+                      "allowed in one frame: {}",
+                      what, steps, WhatSteps(groom, model), StepWork(groom, steps, model),
+                      kMaxFrameWork, instead),
+          field};
 }
 
 }  // namespace
 
-double StepWork(const groom::Groom& groom, int steps) {
+double StepWork(const groom::Groom& groom, int steps, const head::ModelOptions& model) {
+  if (model.model == head::Model::kBeam) {
+    return kBeamSteps * groom.guide_count() * model.beam.segments * steps;
+  }
   double each = 1;
   if (groom.has_contact) {
     const head::BodyCount count = head::CountBodies(groom);
@@ -95,10 +104,11 @@ Result<void> AdmitHead(const groom::Groom& groom, const HeadOptions& options) {
   if (const auto ok = AdmitView(groom, options.view, "open."); !ok) return ok;
   if (const auto ok = AdmitState(groom, "open.groom"); !ok) return ok;
   const head::Movement shortest = ShortestOf(options);
-  if (StepWork(groom, head::StepCount(shortest)) <= kMaxFrameWork) return {};
-  return TooMuchWork(
-      groom, shortest, fmt::format("a frame with open.substeps {}", options.substeps),
-      LessWork(groom, shortest), options.substeps > 1 ? "open.substeps" : "open.groom");
+  if (StepWork(groom, head::StepCount(shortest), options.model) <= kMaxFrameWork) return {};
+  return TooMuchWork(groom, shortest, options.model,
+                     fmt::format("a frame with open.substeps {}", options.substeps),
+                     LessWork(groom, shortest, options.model),
+                     options.substeps > 1 ? "open.substeps" : "open.groom");
 }
 
 int FrameWindow(const groom::Groom& groom, const head::View& view, int most) {
@@ -106,32 +116,35 @@ int FrameWindow(const groom::Groom& groom, const head::View& view, int most) {
   return static_cast<int>(std::clamp<size_t>(kMaxBacklogBytes / bytes, 1, most));
 }
 
-Result<void> AdmitFrame(const groom::Groom& groom, const head::Movement& movement) {
-  if (StepWork(groom, head::StepCount(movement)) <= kMaxFrameWork) return {};
-  return TooMuchWork(groom, movement,
+Result<void> AdmitFrame(const groom::Groom& groom, const head::Movement& movement,
+                        const head::ModelOptions& model) {
+  if (StepWork(groom, head::StepCount(movement), model) <= kMaxFrameWork) return {};
+  return TooMuchWork(groom, movement, model,
                      fmt::format("pose.time_s, {:.6g} s after the last one,", movement.duration),
                      "send poses closer together", "pose.time_s");
 }
 
-Result<void> AdmitBakedFrame(const groom::Groom& groom, const head::Movement& movement, int frame) {
-  if (StepWork(groom, head::StepCount(movement)) <= kMaxFrameWork) return {};
+Result<void> AdmitBakedFrame(const groom::Groom& groom, const head::Movement& movement, int frame,
+                             const head::ModelOptions& model) {
+  if (StepWork(groom, head::StepCount(movement), model) <= kMaxFrameWork) return {};
   const std::string what = fmt::format("frame {}, {:.6g} s after the last one, with substeps {}",
                                        frame, movement.duration, movement.substeps);
-  if (StepWork(groom, 1) > kMaxFrameWork) {
-    return TooMuchWork(groom, movement, what, LessWork(groom, {{}, movement.duration, 1}), "groom");
+  if (StepWork(groom, 1, model) > kMaxFrameWork) {
+    return TooMuchWork(groom, movement, model, what,
+                       LessWork(groom, {{}, movement.duration, 1}, model), "groom");
   }
-  if (StepWork(groom, movement.substeps) > kMaxFrameWork) {
-    return TooMuchWork(groom, movement, what, LessWork(groom, movement), "substeps");
+  if (StepWork(groom, movement.substeps, model) > kMaxFrameWork) {
+    return TooMuchWork(groom, movement, model, what, LessWork(groom, movement, model), "substeps");
   }
-  return TooMuchWork(groom, movement, what, "put poses closer together",
+  return TooMuchWork(groom, movement, model, what, "put poses closer together",
                      fmt::format("motion.times_s[{}]", frame));
 }
 
 double RealtimeLoad(const groom::Groom& groom, const HeadOptions& options) {
   if (options.pacing != Pacing::kRealtime) return 0;
   const int diagnostics = options.diagnostics ? kDiagnosticsSteps : 0;
-  const double frame = StepWork(groom, head::StepCount(ShortestOf(options))) + kFrameSteps +
-                       static_cast<double>(groom.stepped_elements()) * diagnostics +
+  const double frame = StepWork(groom, head::StepCount(ShortestOf(options)), options.model) +
+                       kFrameSteps + static_cast<double>(groom.stepped_elements()) * diagnostics +
                        kPointSteps * PointCount(groom, options.view);
   return frame * options.rate_hz;
 }

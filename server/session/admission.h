@@ -22,6 +22,9 @@ inline constexpr double kGroupSteps = 0.5;
 inline constexpr double kBodySteps = 0.15;
 /// What it counts as on top for every guide of a groom whose wisps meet (likewise).
 inline constexpr double kWispSteps = 0.7;
+/// What a segment of a beam counts as: a seventh to a fifth of an element's time, as measured side
+/// by side with AVX-512, in hundreds and in thousands of guides.
+inline constexpr double kBeamSteps = 0.2;
 /// Element-steps that the diagnostics of one element count as, as measured against AVX-512's
 /// (`tests/bench/run rod`); they take some 430 ns.
 inline constexpr int kDiagnosticsSteps = 16;
@@ -42,7 +45,8 @@ inline constexpr size_t kMaxFrameBytes = 16 << 20;
 inline constexpr size_t kMaxBacklogBytes = 32 << 20;
 
 /// Element-steps of `steps` time steps of all guides.
-[[nodiscard]] double StepWork(const groom::Groom& groom, int steps);
+[[nodiscard]] double StepWork(const groom::Groom& groom, int steps,
+                              const head::ModelOptions& model = {});
 
 /// kResourceExhausted when a frame of `view` is larger than kMaxFrameBytes; the error names
 /// `field`'s points_per_guide, `field` being empty or ending in a dot.
@@ -60,11 +64,13 @@ Result<void> AdmitHead(const groom::Groom& groom, const HeadOptions& options);
 [[nodiscard]] int FrameWindow(const groom::Groom& groom, const head::View& view, int most);
 
 /// kResourceExhausted naming `pose.time_s` when `movement` is too much work for one frame.
-Result<void> AdmitFrame(const groom::Groom& groom, const head::Movement& movement);
+Result<void> AdmitFrame(const groom::Groom& groom, const head::Movement& movement,
+                        const head::ModelOptions& model = {});
 
 /// The same for the movement that leads to frame `frame` of a bake: names `substeps` where fewer
 /// would do, `motion.times_s[frame]` where shorter ways from pose to pose would, else `groom`.
-Result<void> AdmitBakedFrame(const groom::Groom& groom, const head::Movement& movement, int frame);
+Result<void> AdmitBakedFrame(const groom::Groom& groom, const head::Movement& movement, int frame,
+                             const head::ModelOptions& model = {});
 
 /// Element-steps a second of a real-time head, its frames included; 0 in lockstep.
 [[nodiscard]] double RealtimeLoad(const groom::Groom& groom, const HeadOptions& options);

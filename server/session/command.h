@@ -7,6 +7,7 @@
 
 #include "head/frame.h"
 #include "head/head.h"
+#include "head/model.h"
 #include "math/rigid.h"
 #include "session/body_poses.h"
 
@@ -25,7 +26,11 @@ struct HeadOptions {
   int max_unacked = 3;      ///< Frames under way, real time only; fewer where they are large.
   math::Pose initial_pose;  ///< Before the first pose.
   head::Environment environment;
-  bool diagnostics = false;  ///< Every frame carries them.
+  bool diagnostics = false;  ///< Every frame carries them, but those of beams.
+  head::ModelOptions model;  ///< At first; its beams also for what the head is switched to.
+  /// Whether beams may stand in while frames come late (Shedding); real time, and where frames are
+  /// not generalized.
+  bool may_shed = false;
 };
 
 /// A timed pose, head -> world; `teleport` moves head, bodies and hair without dynamics.
@@ -74,6 +79,11 @@ inline void Apply(const EnvironmentCommand& change, head::Environment* environme
   environment->detail_tolerance = change.detail_tolerance.value_or(environment->detail_tolerance);
 }
 
-using Command = std::variant<PoseCommand, ResetCommand, EnvironmentCommand>;
+/// How the hair is animated from the next step on. Beams are nothing that generalized frames show.
+struct ModelCommand {
+  head::ModelOptions model;
+};
+
+using Command = std::variant<PoseCommand, ResetCommand, EnvironmentCommand, ModelCommand>;
 
 }  // namespace mane::session

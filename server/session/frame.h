@@ -6,6 +6,7 @@
 #include <string>
 
 #include "head/diagnostics.h"
+#include "head/model.h"
 #include "math/rigid.h"
 
 namespace mane::session {
@@ -20,6 +21,7 @@ struct Frame {
   double step_seconds = 0;      ///< Computing time.
   int repaired_guides = 0;      ///< See head::StepReport.
   int stepped_elements = 0;     ///< See head::SteppedElements.
+  head::Model model = head::Model::kSuperHelix;  ///< With which it was computed.
   std::optional<head::Diagnostics> diagnostics;  ///< Where HeadOptions asks for them.
 };
 using FramePtr = std::shared_ptr<const Frame>;

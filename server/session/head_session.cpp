@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/clock.h"
+#include "head/model_switch.h"
 #include "session/admission.h"
 
 namespace mane::session {
@@ -25,6 +26,11 @@ int MaxBacklog(const groom::Groom& groom, const HeadOptions& options) {
   return FrameWindow(groom, options.view, kMaxBacklogLockstep);
 }
 
+bool MayShed(const HeadOptions& options) {
+  return options.may_shed && options.pacing == Pacing::kRealtime &&
+         options.view.format != head::FrameFormat::kGeneralized;
+}
+
 Mailbox MakeMailbox(const groom::Groom& groom, const HeadOptions& options) {
   if (options.pacing == Pacing::kLockstep) return Mailbox::Ordered();
   return Mailbox::Newest(FrameWindow(groom, options.view, options.max_unacked));
@@ -33,19 +39,26 @@ Mailbox MakeMailbox(const groom::Groom& groom, const HeadOptions& options) {
 }  // namespace
 
 HeadSession::HeadSession(std::string name, Asset asset, const HeadOptions& options,
-                         exec::WorkerPool& pool, LevelLibrary& levels)
+                         exec::WorkerPool& pool, LevelLibrary& levels, BeamLibrary& beams)
     : name_(std::move(name)),
-      groom_(std::move(asset.groom)),
-      bodies_(std::move(asset.bodies)),
+      asset_(std::move(asset)),
+      groom_(asset_.groom),
+      bodies_(asset_.bodies),
       options_(options),
       pool_(pool),
       levels_(levels),
+      beams_(beams),
       max_backlog_(MaxBacklog(*groom_, options)),
       state_(head::AtRest(*groom_, options.initial_pose)),
       environment_(options.environment),
+      wanted_(options.model),
       motion_(bodies_),
-      mailbox_(MakeMailbox(*groom_, options)) {
+      mailbox_(MakeMailbox(*groom_, options)),
+      asked_(options.model) {
   head::StartContact(*groom_, bodies_, &state_);
+  const bool beam = wanted_.model == head::Model::kBeam;
+  if (beam || MayShed(options)) prepared_ = beams_.FindOrMake(asset_, wanted_.beam);
+  if (beam) head::StartBeams(prepared_, &state_);
 }
 
 Result<void> HeadSession::Submit(Command command) {
@@ -69,7 +82,7 @@ Result<void> HeadSession::Submit(Command command) {
       }
       if (lockstep && newest_time_ && !pose->teleport) {
         const auto admitted =
-            AdmitFrame(*groom_, {{}, pose->time - *newest_time_, options_.substeps});
+            AdmitFrame(*groom_, {{}, pose->time - *newest_time_, options_.substeps}, asked_);
         if (!admitted) return admitted;
       }
       newest_time_ = pose->time;
@@ -80,6 +93,7 @@ Result<void> HeadSession::Submit(Command command) {
         motion_.Add(pose->time, pose->pose, base::SteadySeconds(), named_);
       }
     }
+    if (const auto* change = std::get_if<ModelCommand>(&command)) asked_ = change->model;
     if (lockstep || !std::holds_alternative<PoseCommand>(command) ||
         std::get<PoseCommand>(command).teleport) {
       commands_.push_back(std::move(command));
@@ -110,6 +124,11 @@ int HeadSession::Backlog() const {
 uint64_t HeadSession::next_frame() const {
   std::lock_guard lock(mutex_);
   return next_frame_;
+}
+
+head::ModelOptions HeadSession::model() const {
+  std::lock_guard lock(mutex_);
+  return asked_;
 }
 
 void HeadSession::Attach(FrameSink* sink) {
@@ -171,7 +190,7 @@ void HeadSession::Start(exec::WorkerPool& pool, Work work) {
 }
 
 void HeadSession::PrepareDetail() {
-  if (!(environment_.detail_tolerance > 0) || state_.detail.levels) return;
+  if (!(environment_.detail_tolerance > 0) || state_.detail.levels || state_.beams.active) return;
   const bool lockstep = options_.pacing == Pacing::kLockstep;
   auto levels = lockstep ? levels_.FindOrMake(groom_) : levels_.Find(groom_);
   if (levels) {
@@ -179,6 +198,38 @@ void HeadSession::PrepareDetail() {
   } else if (!std::exchange(levels_ordered_, true)) {
     Start(levels_.pool(), [this] { (void)levels_.FindOrMake(groom_); });
   }
+}
+
+BeamLibrary::BeamsPtr HeadSession::PrepareBeams() {
+  {
+    std::lock_guard lock(mutex_);
+    if (prepared_ != nullptr && prepared_->options == wanted_.beam) return prepared_;
+  }
+  if (options_.pacing == Pacing::kLockstep) {
+    BeamLibrary::BeamsPtr made = beams_.FindOrMake(asset_, wanted_.beam);
+    std::lock_guard lock(mutex_);
+    return prepared_ = std::move(made);
+  }
+  if (beams_ordered_ == wanted_.beam) return nullptr;
+  beams_ordered_ = wanted_.beam;
+  Start(beams_.pool(), [this, beam = wanted_.beam] {
+    BeamLibrary::BeamsPtr made = beams_.FindOrMake(asset_, beam);
+    std::lock_guard lock(mutex_);
+    prepared_ = std::move(made);
+  });
+  return nullptr;
+}
+
+void HeadSession::PrepareModel(bool shed) {
+  const bool stand_in = shed && wanted_.model != head::Model::kBeam;
+  const bool beam = stand_in || wanted_.model == head::Model::kBeam;
+  BeamLibrary::BeamsPtr beams = beam ? PrepareBeams() : nullptr;
+  if (beam && beams == nullptr) return;
+  head::SwitchModel(*groom_, std::move(beams), options_.view.points_per_guide, &state_, pool_);
+  if (std::exchange(shed_, stand_in) == stand_in) return;
+  Notify({Notice::Code::kModel, 0, beam ? head::Model::kBeam : head::Model::kSuperHelix,
+          stand_in ? "frames came late: the hair is animated as BEAM until they no longer do"
+                   : "the hair is animated as before frames came late"});
 }
 
 void HeadSession::MoveTo(const Target& target, double duration) {
@@ -198,7 +249,8 @@ std::shared_ptr<Frame> HeadSession::MakeFrame(double time, double newest_pose_ti
   frame->time = time;
   frame->pose = state_.pose;
   frame->data = head::EncodeFrame(*groom_, state_, options_.view, pool_);
-  if (options_.diagnostics) {
+  frame->model = state_.beams.active ? head::Model::kBeam : head::Model::kSuperHelix;
+  if (options_.diagnostics && !state_.beams.active) {
     frame->diagnostics = head::Diagnose(*groom_, state_, environment_, pool_);
   }
   frame->newest_pose_time = newest_pose_time;
@@ -236,6 +288,9 @@ void HeadSession::RunCommand() {
     frame = MakeFrame(pose->time, pose->time, started);
   } else if (const auto* change = std::get_if<EnvironmentCommand>(&command)) {
     Apply(*change, &environment_);
+  } else if (auto* choice = std::get_if<ModelCommand>(&command)) {
+    wanted_ = std::move(choice->model);
+    PrepareModel(false);
   } else {
     head::Reset(*groom_, &state_);
   }
@@ -260,6 +315,7 @@ void HeadSession::Tick(double due, int missed) {
     std::lock_guard lock(mutex_);
     if (end_) return;
     late_ += missed;
+    shedding_.Late(now, missed + (running_ ? 1 : 0));
     if (running_) {
       ++late_;
       return;
@@ -285,8 +341,10 @@ void HeadSession::RunTick(double due, double now) {
   std::deque<Command> commands;
   std::optional<Target> target;
   double time = 0, newest_pose_time = 0;
+  bool shed = false;
   {
     std::lock_guard lock(mutex_);
+    shed = shedding_.Update(now) && MayShed(options_);
     commands.swap(commands_);
     target = RealtimeTarget(due, &time, &newest_pose_time);
   }
@@ -297,12 +355,14 @@ void HeadSession::RunTick(double due, double now) {
     if (std::holds_alternative<ResetCommand>(command)) head::Reset(*groom_, &state_);
     if (const auto* change = std::get_if<EnvironmentCommand>(&command))
       Apply(*change, &environment_);
+    if (const auto* choice = std::get_if<ModelCommand>(&command)) wanted_ = choice->model;
     jump = jump || std::holds_alternative<PoseCommand>(command);
   }
   if (target) {
     if (jump) TeleportTo(*target);
     placed_ = true;
   }
+  PrepareModel(shed);
   if (elapsed > 0 && !jump) MoveTo(target.value_or(Target{state_.pose, {}}), elapsed);
   shown_time_ = time;
   auto frame = MakeFrame(time, newest_pose_time, started);

@@ -11,19 +11,23 @@
 #include "exec/worker_pool.h"
 #include "groom/groom.h"
 #include "session/asset.h"
+#include "session/beam_library.h"
 #include "session/command.h"
 #include "session/frame.h"
 #include "session/level_library.h"
 #include "session/mailbox.h"
 #include "session/motion_buffer.h"
+#include "session/shedding.h"
 
 namespace mane::session {
 
 /// Something a client should know; see the proto's Notice.
 struct Notice {
-  enum class Code { kLate, kDraining, kNoPoses };
+  enum class Code { kLate, kDraining, kNoPoses, kModel };
   Code code;
   uint64_t count = 0;
+  head::Model model = head::Model::kSuperHelix;  ///< kModel: which the head has,
+  std::string why = {};                          ///< and why.
 };
 
 /// The stream that a head's frames go to. Called from workers and the scheduler, possibly at once;
@@ -48,11 +52,13 @@ class FrameSink {
 class HeadSession : public std::enable_shared_from_this<HeadSession> {
  public:
   HeadSession(std::string name, Asset asset, const HeadOptions& options, exec::WorkerPool& pool,
-              LevelLibrary& levels);
+              LevelLibrary& levels, BeamLibrary& beams);
 
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] const groom::Groom& groom() const { return *groom_; }
   [[nodiscard]] const HeadOptions& options() const { return options_; }
+  /// What the client last asked for.
+  [[nodiscard]] head::ModelOptions model() const;
 
   /// Hands over what the client sent. kInvalidArgument for a pose whose time does not increase or
   /// (lockstep) is more than a second after the one before.
@@ -96,6 +102,11 @@ class HeadSession : public std::enable_shared_from_this<HeadSession> {
   // that they act from the first frame with a tolerance on, always. Real time goes on without until
   // they have been made elsewhere.
   void PrepareDetail();
+  // Changes the state's model to what the client wants, or to beams while they are shed to; in real
+  // time once beams are there.
+  void PrepareModel(bool shed);
+  // The beams that the client last described, where they are there. Lockstep makes them if need be.
+  [[nodiscard]] BeamLibrary::BeamsPtr PrepareBeams();
   struct Target {
     math::Pose head;
     std::vector<math::Pose> bodies;  // (moving_count)
@@ -108,11 +119,13 @@ class HeadSession : public std::enable_shared_from_this<HeadSession> {
                                                      double* newest_pose_time);
 
   const std::string name_;
+  const Asset asset_;
   const std::shared_ptr<const groom::Groom> groom_;
   const std::shared_ptr<const head::Bodies> bodies_;  // Null for none.
   const HeadOptions options_;
   exec::WorkerPool& pool_;
   LevelLibrary& levels_;
+  BeamLibrary& beams_;
   const int max_backlog_;
 
   // Owned by the running task.
@@ -124,6 +137,10 @@ class HeadSession : public std::enable_shared_from_this<HeadSession> {
   int repaired_ = 0;
   bool placed_ = false;          // The first pose has come.
   bool levels_ordered_ = false;  // Real time: a task makes them, or has made them.
+  head::ModelOptions wanted_;    // Of commands that were worked off.
+  // Real time: what a task makes, or has made.
+  std::optional<head::BeamOptions> beams_ordered_;
+  bool shed_ = false;  // Beams stand in for what is wanted.
 
   mutable std::mutex mutex_;
   bool running_ = false;          // A task works or waits for its turn.
@@ -135,6 +152,9 @@ class HeadSession : public std::enable_shared_from_this<HeadSession> {
   std::optional<double> newest_time_;  // Client time of the newest pose.
   Mailbox mailbox_;
   uint64_t next_frame_ = 1;
+  head::ModelOptions asked_;        // The newest, of commands that wait, too.
+  BeamLibrary::BeamsPtr prepared_;  // Those made last.
+  Shedding shedding_;
   uint64_t late_ = 0;  // Missed ticks not yet told.
   double told_late_at_ = 0;
   double told_no_poses_at_ = 0;

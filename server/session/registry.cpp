@@ -33,6 +33,7 @@ Registry::Registry(const RegistryOptions& options, exec::WorkerPool& realtime,
       realtime_(realtime),
       lockstep_(lockstep),
       levels_(lockstep),
+      beams_(lockstep),
       clock_([this](std::stop_token stop) { RunClock(stop); }) {}
 
 Registry::~Registry() {
@@ -61,15 +62,9 @@ Result<Registry::Entries::iterator> Registry::AdmitLocked(const groom::Groom& gr
                    ""};
     }
   }
-  const double own = RealtimeLoad(groom, options);
-  double load = own;
   size_t bytes = state_bytes;
   for (auto item = entries_.begin(); item != entries_.end(); ++item) {
-    // Detached ones too: Resume asks no more.
-    const HeadSession& other = *item->second.head;
-    if (item == leaving) continue;
-    load += RealtimeLoad(other.groom(), other.options());
-    bytes += item->second.state_bytes;
+    if (item != leaving) bytes += item->second.state_bytes;
   }
   if (bytes > options_.max_state_bytes) {
     return Error{ErrorCode::kResourceExhausted,
@@ -79,15 +74,40 @@ Result<Registry::Entries::iterator> Registry::AdmitLocked(const groom::Groom& gr
                              bytes, options_.max_state_bytes),
                  "open.groom"};
   }
-  if (own > 0 && load > options_.realtime_capacity) {
-    return Error{ErrorCode::kResourceExhausted,
-                 fmt::format("with this head real-time heads would need {:.3g} element-steps a "
-                             "second; the server has {:.3g}: ask for fewer substeps or a lower "
-                             "rate_hz, or another server",
-                             load, options_.realtime_capacity),
-                 "open"};
+  if (const auto ok = AdmitLoadLocked(RealtimeLoad(groom, options), leaving, "open"); !ok) {
+    return ok.error();
   }
   return leaving;
+}
+
+Result<void> Registry::AdmitLoadLocked(double own, Entries::const_iterator left_out,
+                                       const std::string& field) const {
+  double load = own;
+  for (auto item = entries_.begin(); item != entries_.end(); ++item) {
+    // Detached ones too: Resume asks no more.
+    if (item != left_out) load += item->second.load;
+  }
+  if (own == 0 || load <= options_.realtime_capacity) return {};
+  return Error{ErrorCode::kResourceExhausted,
+               fmt::format("with this head real-time heads would need {:.3g} element-steps a "
+                           "second; the server has {:.3g}: ask for fewer substeps or a lower "
+                           "rate_hz, or another server",
+                           load, options_.realtime_capacity),
+               field};
+}
+
+Result<void> Registry::AdmitModel(const std::shared_ptr<HeadSession>& head,
+                                  const head::ModelOptions& model) {
+  HeadOptions options = head->options();
+  options.model = model;
+  if (auto ok = AdmitHead(head->groom(), options); !ok) return ok;
+  const double own = RealtimeLoad(head->groom(), options);
+  std::lock_guard lock(mutex_);
+  const auto item = Find(head.get());
+  if (item == entries_.end() || own <= item->second.load) return {};
+  if (auto ok = AdmitLoadLocked(own, item, "model.model"); !ok) return ok;
+  item->second.load = own;
+  return {};
 }
 
 Result<size_t> Registry::Weigh(const groom::Groom& groom, const HeadOptions& options,
@@ -114,9 +134,9 @@ Result<OpenedHead> Registry::Open(const Asset& asset, const HeadOptions& options
   if (!state_bytes) return state_bytes.error();
   const uint64_t id = next_id_++;
   exec::WorkerPool& pool = options.pacing == Pacing::kRealtime ? realtime_ : lockstep_;
-  const OpenedHead opened{
-      std::make_shared<HeadSession>(fmt::format("heads/{}", id), asset, options, pool, levels_),
-      MakeToken()};
+  const OpenedHead opened{std::make_shared<HeadSession>(fmt::format("heads/{}", id), asset, options,
+                                                        pool, levels_, beams_),
+                          MakeToken()};
   std::lock_guard handover(handover_);
   std::shared_ptr<HeadSession> replaced;
   {
@@ -128,7 +148,8 @@ Result<OpenedHead> Registry::Open(const Asset& asset, const HeadOptions& options
       Erase(*leaving);
     }
     Entry& entry = entries_[id];
-    entry = {opened.head, opened.resume_token, request_id, sink, 0, *state_bytes};
+    entry = {opened.head,  opened.resume_token,         request_id, sink, 0,
+             *state_bytes, RealtimeLoad(groom, options)};
     Schedule(id, entry);
   }
   opened.head->Attach(sink);

@@ -62,6 +62,10 @@ class Registry {
   /// The detached head of `resume_token`, attached to `sink`. A stream that still holds it is
   /// ended. kNotFound when it has expired.
   Result<OpenedHead> Resume(const std::string& resume_token, FrameSink* sink);
+  /// Whether there is room for the head to change to `model`: kResourceExhausted as of Open. What a
+  /// head was ever let in with it keeps, so that a change back is no matter of room.
+  Result<void> AdmitModel(const std::shared_ptr<HeadSession>& head,
+                          const head::ModelOptions& model);
   /// The stream broke: the head stands still and waits.
   void Leave(const std::shared_ptr<HeadSession>& head, FrameSink* sink);
   /// The client is done: the head is gone.
@@ -85,6 +89,7 @@ class Registry {
     FrameSink* sink = nullptr;  // Null while detached.
     double moment = 0;          // When it is on the agenda [s].
     size_t state_bytes = 0;     // Of what its hair remembers.
+    double load = 0;            // What it was let in with (RealtimeLoad).
   };
   using Entries = std::map<uint64_t, Entry>;
 
@@ -92,6 +97,10 @@ class Registry {
   // Ticks what is due at `now`, ends what has expired. Called with `lock` held; releases it around
   // calls of heads.
   void TickDue(double now, std::unique_lock<std::mutex>& lock);
+  // kResourceExhausted naming `field` where a head that needs `own` would be too much for the
+  // others but `left_out`.
+  Result<void> AdmitLoadLocked(double own, Entries::const_iterator left_out,
+                               const std::string& field) const;
   Entries::iterator Find(const HeadSession* head);
   // The detached entry that expires first, or end().
   Entries::iterator LongestDetached();
@@ -114,6 +123,7 @@ class Registry {
   exec::WorkerPool& realtime_;
   exec::WorkerPool& lockstep_;
   LevelLibrary levels_;
+  BeamLibrary beams_;
 
   // Held by Open, once it has built its head, and by Resume until they have attached, so that two
   // streams which want one head get it one after the other. Taken before every other lock.

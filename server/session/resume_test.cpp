@@ -45,8 +45,9 @@ TEST_F(ResumeTest, ResumingTakesTheHeadFromAStreamThatStillHoldsIt) {
 
 TEST_F(ResumeTest, AStreamThatComesToAnEndedHeadIsTold) {
   LevelLibrary levels(pool_);
+  BeamLibrary beams(pool_);
   const auto head =
-      std::make_shared<HeadSession>("heads/1", Asset{groom_}, HeadOptions(), pool_, levels);
+      std::make_shared<HeadSession>("heads/1", Asset{groom_}, HeadOptions(), pool_, levels, beams);
   head->End({ErrorCode::kUnavailable, "the server is stopping", ""});
   head->End({ErrorCode::kInternal, "too late", ""});
   TestStream stream;

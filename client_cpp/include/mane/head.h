@@ -33,6 +33,44 @@ enum class Space {
   kHead = 2,  ///< Relative to `Frame::head_pose`.
 };
 
+/// How the guides of a head are animated. A change between the two makes no jump.
+enum class AnimationModel {
+  kSuperHelix = 1,  ///< Elastic rods that meet the groom's bodies.
+  /// Polylines whose segments swing each on its own, a level of detail below, at a fraction of the
+  /// cost. They keep the nodes of the rest shape and stay out of an ellipsoid that stands for the
+  /// scalp; of other bodies and of wisps they know nothing. kGeneralized cannot show them.
+  kBeam = 2,
+};
+
+/// Along which angles a segment of a beam turns.
+enum class BeamEquations {
+  kAcross = 1,  ///< About an axis across the segment, chosen anew every step.
+  kPolar = 2,   ///< Zenith and azimuth about Y, as published.
+};
+
+/// What beams of a head are like. What is unset is the server's default.
+struct BeamMotion {
+  std::uint32_t segments = 0;  ///< Of every guide, all of one length, 2 to 64; 0 means 16.
+  /// Factor on what holds segments in their directions at rest, 0 to 1000; 1. 0 is as published.
+  std::optional<double> hold = std::nullopt;
+  BeamEquations equations = BeamEquations::kAcross;
+  bool unbounded = false;  ///< Recurrences as published, stable only while forces are small.
+  std::optional<bool> clamped = std::nullopt;  ///< The first segment keeps its direction; true.
+  /// Nodes are turned out of the ellipsoid that stands for the scalp; true.
+  std::optional<bool> avoid_head = std::nullopt;
+  /// Forces that press hair on the head count less near it: where the cosine of their angle with
+  /// the outward normal is below `alpha` (-1 to 1; -0.75) and the segment is nearer than `near_m`
+  /// [m] (0 to 10; 0.02), they count `epsilon` times (0 to 1, by segment; empty for 1).
+  std::optional<double> alpha = std::nullopt;
+  std::optional<double> near_m = std::nullopt;
+  std::vector<float> epsilon = {};
+  std::vector<float> largest_turn_rad = {};  ///< At each joint, 0 to pi, by segment; empty for pi.
+  double fluctuation_rad = 0;                ///< Turns drawn every ten time steps, 0 to 1.
+  std::uint64_t seed = 0;                    ///< Of what is drawn.
+  /// What accelerates the last segment, per acceleration of the field it is in [1/m], 1e-3 to 1e4.
+  std::optional<double> tip_response = std::nullopt;
+};
+
 /// What surrounds the hair. Unset fields stay as they are.
 struct Environment {
   /// Mean air velocity, world [m/s], each component within ±100.
@@ -71,7 +109,12 @@ struct HeadOptions {
   std::uint32_t max_unacked_frames = 0;  ///< kRealtime: frames on their way, 1 to 16; 0 means 3.
   Pose initial_pose = {};                ///< Where the head is before the first pose.
   Environment environment = {};
-  bool diagnostics = false;  ///< Every frame carries them; costs some sixteen time steps a frame.
+  /// Every frame carries them, but those of beams; costs some sixteen time steps a frame.
+  bool diagnostics = false;
+  AnimationModel model = AnimationModel::kSuperHelix;  ///< At first.
+  BeamMotion beam = {};  ///< What beams are like, then or once the head is changed to them.
+  /// kRealtime: whether the server may animate the head as kBeam while its frames come late.
+  bool may_shed = false;
 
   /// kRealtime: how long a broken stream is retried before the head closes. Pauses between tries
   /// grow from 50 ms to 2 s.
@@ -111,6 +154,7 @@ struct Frame {
   double step_ms = 0;                  ///< Time the server spent on computing it.
   std::uint32_t repaired_guides = 0;   ///< Guides put back to rest; above 0 is a server fault.
   std::uint32_t stepped_elements = 0;  ///< Computed with, of all guides (detail_tolerance_m).
+  AnimationModel model = AnimationModel::kSuperHelix;  ///< With which it was computed.
   std::optional<Diagnostics> diagnostics = {};  ///< Where HeadOptions::diagnostics asked for them.
 };
 
@@ -168,6 +212,10 @@ class Head {
 
   /// Changes what surrounds the hair from the next step on.
   Result<void> SetEnvironment(const Environment& environment);
+
+  /// Changes how the hair is animated from the next step on; `beam` unset leaves beams as they are.
+  /// Where the server has no room the head keeps its model, as Frame::model tells.
+  Result<void> SetModel(AnimationModel model, const std::optional<BeamMotion>& beam = {});
 
   /// kRealtime: the newest frame; null before the first, and the same one until the next arrives.
   std::shared_ptr<const Frame> NewestFrame();

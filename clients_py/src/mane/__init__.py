@@ -8,6 +8,7 @@ All lengths are metres, all angles radians; axes are right-handed with Y up, an 
 toward +Z; quaternions are (x, y, z, w). `mane.convert` brings other conventions here.
 """
 
+from mane.beams import AnimationModel, BeamEquations, BeamMotion
 from mane.bodies import (
     Body,
     BodySummary,
@@ -58,7 +59,10 @@ from mane.style import Region, StrandKind, Style, StylePreset
 
 __all__ = [
     "AlreadyExists",
+    "AnimationModel",
     "Bake",
+    "BeamEquations",
+    "BeamMotion",
     "Body",
     "BodySummary",
     "Cancelled",

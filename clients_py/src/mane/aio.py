@@ -19,9 +19,10 @@ from grpc import aio
 from grpc_health.v1 import health_pb2, health_pb2_grpc
 from numpy.typing import ArrayLike
 
-from mane import channel, jobs, messages, strand_messages, stream, style_messages
+from mane import beams, channel, jobs, messages, strand_messages, stream, style_messages
 from mane import client as blocking
 from mane.aio_heads import Head, LockstepHead, RealtimeHead, open_head
+from mane.beams import AnimationModel, BeamMotion
 from mane.bodies import Body, ScalpContact
 from mane.client import Status
 from mane.frames import Frame, FrameFormat, Space
@@ -193,11 +194,16 @@ class Client:
         points_per_guide: int = 16,
         substeps: int = 1,
         environment: Environment | None = None,
+        model: AnimationModel | str = AnimationModel.SUPER_HELIX,
+        beam: BeamMotion | None = None,
     ) -> Bake:
         """As `mane.Client.bake`."""
         request = messages.bake(groom, motion, points_per_guide, substeps, environment)
         request.format = stream.format_value(format)
         request.space = stream.space_value(space)
+        request.model = beams.model_value(model)
+        if beam is not None:
+            request.beam.CopyFrom(beams.beam_motion(beam))
         job = jobs.from_message(await self._call(self._bakes.BakeAnimation, request))
         reading = jobs.Reading(request.groom, request.format, request.space, points_per_guide)
         return Bake(self, job, reading)

@@ -13,6 +13,7 @@ from collections.abc import AsyncIterator, Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 
 from mane import heads, stream
+from mane.beams import AnimationModel, BeamMotion
 from mane.errors import DeadlineExceeded, Error
 from mane.frames import Frame
 from mane.motion import Motion
@@ -47,6 +48,10 @@ class Head:
     def set_environment(self, environment: Environment) -> None:
         """Changes wind, gravity or damping from the next step on; None leaves a value as it is."""
         self._head.set_environment(environment)
+
+    def set_model(self, model: AnimationModel | str, beam: BeamMotion | None = None) -> None:
+        """Changes how the hair is animated; as `mane.heads.Head.set_model`."""
+        self._head.set_model(model, beam)
 
     async def close(self, quiet: bool = False) -> None:
         """Closes the head; the server forgets it. `quiet`: raises nothing."""

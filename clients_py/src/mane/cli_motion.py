@@ -9,6 +9,7 @@ from typing import Annotated
 import numpy as np
 import typer
 
+from mane.beams import AnimationModel
 from mane.client import Client
 from mane.convert import CONVENTIONS
 from mane.frames import Frame, FrameFormat
@@ -49,6 +50,7 @@ _Rate = Annotated[float, typer.Option(min=1, help="Poses and frames per second."
 _Points = Annotated[int, typer.Option(min=2, max=256, help="Points along each guide.")]
 _Substeps = Annotated[int, typer.Option(min=1, max=64, help="Time steps per frame.")]
 _Format = Annotated[FrameFormat, typer.Option(help="How frames travel to this program.")]
+_Model = Annotated[AnimationModel, typer.Option(help="How the hair is animated.")]
 _Joint = Annotated[str, typer.Option(help="BVH: the joint that carries the head.")]
 _Height = Annotated[float, typer.Option(help="BVH: how tall the figure stands, metres.")]
 _Axes = Annotated[str, typer.Option(help=f"BVH: the file's axes: {', '.join(CONVENTIONS)}.")]
@@ -64,6 +66,7 @@ def animate(
     points: _Points = 16,
     substeps: _Substeps = 1,
     format: _Format = FrameFormat.FLOAT32,
+    model: _Model = AnimationModel.SUPER_HELIX,
     joint: _Joint = "Head",
     height: _Height = 1.7,
     axes: _Axes = "mane",
@@ -76,6 +79,7 @@ def animate(
     mane animate walk.bvh -g demo -o walk.npz
     mane animate walk.bvh -g demo -o walk.npz --picture walk.png --rate 120
     mane animate nod.csv -g demo -o nod.npz --points 32 --format generalized
+    mane animate walk.bvh -g demo -o far.npz --model beam
     ```
 
     The .npz file holds times_s (frame), positions (frame, guide, point, 3) in world metres, and
@@ -84,7 +88,7 @@ def animate(
     """
     client: Client = context.obj
     motion = _load(file, rate, joint, height, axes)
-    options = {"format": format, "points_per_guide": points, "substeps": substeps}
+    options = {"format": format, "points_per_guide": points, "substeps": substeps, "model": model}
     with client.open_head(groom, "lockstep", **options) as head:
         frames = counted(head.play(motion), len(motion), f"animating {groom}")
         positions = _collect(frames, len(motion))
@@ -103,6 +107,7 @@ def bake(
     points: _Points = 16,
     substeps: _Substeps = 1,
     format: _Format = FrameFormat.FLOAT32,
+    model: _Model = AnimationModel.SUPER_HELIX,
     joint: _Joint = "Head",
     height: _Height = 1.7,
     axes: _Axes = "mane",
@@ -121,7 +126,8 @@ def bake(
     """
     client: Client = context.obj
     motion = _load(file, rate, joint, height, axes)
-    job = client.bake(groom, motion, format=format, points_per_guide=points, substeps=substeps)
+    options = {"format": format, "points_per_guide": points, "substeps": substeps, "model": model}
+    job = client.bake(groom, motion, **options)
     try:
         for _ in watched(job.watch(), f"baking {job.name}"):
             pass

@@ -13,7 +13,8 @@ import grpc
 from grpc_health.v1 import health_pb2, health_pb2_grpc
 from numpy.typing import ArrayLike
 
-from mane import channel, jobs, messages, strand_messages, stream, style_messages
+from mane import beams, channel, jobs, messages, strand_messages, stream, style_messages
+from mane.beams import AnimationModel, BeamMotion
 from mane.bodies import Body, ScalpContact
 from mane.errors import InvalidArgument
 from mane.frames import Frame, FrameFormat, Space
@@ -257,6 +258,11 @@ class Client:
           initial_pose: a `Pose`: where the head is before the first one; its time is not used.
           environment: an `Environment`.
           diagnostics: True for `Frame.diagnostics`, which cost some sixteen time steps a frame.
+          model: `"super_helix"` or `"beam"`, which generalized frames cannot show; see
+            `AnimationModel`. `set_model` changes it later.
+          beam: a `BeamMotion`: what beams are like, now or once the head is changed to them.
+          may_shed: REALTIME: True where the server may animate the head as BEAM while its frames
+            come late.
 
         Raises NotFound for an unknown groom, ResourceExhausted where the server is full.
         """
@@ -278,11 +284,16 @@ class Client:
         points_per_guide: int = 16,
         substeps: int = 1,
         environment: Environment | None = None,
+        model: AnimationModel | str = AnimationModel.SUPER_HELIX,
+        beam: BeamMotion | None = None,
     ) -> Bake:
         """Submits a job that animates all of `motion` (at most 16,000 poses) as LOCKSTEP does."""
         request = messages.bake(groom, motion, points_per_guide, substeps, environment)
         request.format = stream.format_value(format)
         request.space = stream.space_value(space)
+        request.model = beams.model_value(model)
+        if beam is not None:
+            request.beam.CopyFrom(beams.beam_motion(beam))
         job = jobs.from_message(self._call(self._bakes.BakeAnimation, request))
         reading = jobs.Reading(request.groom, request.format, request.space, points_per_guide)
         return Bake(self, job, reading)

@@ -17,6 +17,7 @@ import numpy as np
 import typer
 
 from mane import clips, mesh
+from mane.beams import AnimationModel
 from mane.bodies import Material, ScalpContact
 from mane.channel import DEFAULT_SERVER, SERVER_VARIABLE
 from mane.client import Client
@@ -94,6 +95,9 @@ def demo(
     model: Annotated[
         StrandModel | None, typer.Option(help="As of `mane groom create`; by hair unless given.")
     ] = None,
+    animation: Annotated[
+        AnimationModel, typer.Option(help="How the hair is animated: as --model of `mane animate`.")
+    ] = AnimationModel.SUPER_HELIX,
     seconds: Annotated[
         float | None, typer.Option(min=0.1, help="Only the first seconds of the motion.")
     ] = None,
@@ -129,7 +133,15 @@ def demo(
             )
             look = Look(kind.hair_color, tip_part=kind.tip_part, size=size)
             positions = animate(
-                client, scalp, generate, track, kind.points, substeps, name, scalp_contact
+                client,
+                scalp,
+                generate,
+                track,
+                kind.points,
+                substeps,
+                name,
+                scalp_contact,
+                animation,
             )
             stem = f"{head.stem if head else 'mannequin'}-{Path(motion).stem}-{name}"
             title = f"{name}, {100 * length:g} cm, {guides} guides, {Path(motion).stem}"
@@ -165,6 +177,7 @@ def animate(
     substeps: int,
     label: str,
     scalp_contact: bool = False,
+    animation: AnimationModel = AnimationModel.SUPER_HELIX,
 ) -> np.ndarray:
     """Hair over the whole motion: (frames, guides, points, 3) float32, world [m].
 
@@ -178,7 +191,7 @@ def animate(
             display_name="mane.demo",
         )
     try:
-        options = {"points_per_guide": points, "substeps": substeps}
+        options = {"points_per_guide": points, "substeps": substeps, "model": animation}
         with client.open_head(groom, "lockstep", **options) as moving:
             frames = counted(moving.play(motion), len(motion), f"{label}: animating")
             return np.stack([frame.positions for frame in frames])

@@ -8,6 +8,7 @@ from enum import StrEnum
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from mane.beams import AnimationModel
 from mane.errors import Internal
 from mane.helix import Strands
 from mane.pose import Pose
@@ -74,8 +75,10 @@ class Frame:
       step_ms: time that the server spent on the frame [ms].
       repaired_guides: guides that the server put back to rest because of a fault of its own.
       stepped_elements: elements that the hair is computed with, of all guides: fewer than it has
-        where `Environment.detail_tolerance_m` allows it.
-      diagnostics: energies and the like; None unless the head was opened with `diagnostics`.
+        where `Environment.detail_tolerance_m` allows it. Of BEAM, segments.
+      model: with which the frame was computed.
+      diagnostics: energies and the like; None unless the head was opened with `diagnostics`, and
+        in frames of BEAM.
       angles: coordinates of each guide, float32 [rad]: (element, 3) twist, bend 1, bend 2; of WOUND
         guides (element, 4) length times (u, b1, b2, xi) of `mane.helix`. None unless the format is
         GENERALIZED.
@@ -92,6 +95,7 @@ class Frame:
     stepped_elements: int = 0
     diagnostics: Diagnostics | None = None
     angles: tuple[np.ndarray, ...] | None = None
+    model: AnimationModel = AnimationModel.SUPER_HELIX
 
 
 class FrameDecoder:

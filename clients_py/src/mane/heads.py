@@ -10,7 +10,8 @@ from dataclasses import replace
 
 import grpc
 
-from mane import channel, messages, stream
+from mane import beams, channel, messages, stream
+from mane.beams import AnimationModel, BeamMotion
 from mane.errors import DeadlineExceeded, Error, FailedPrecondition, Unavailable
 from mane.frames import Frame
 from mane.helix import Strands
@@ -119,6 +120,12 @@ class Head:
     def set_environment(self, environment: Environment) -> None:
         """Changes wind, gravity or damping from the next step on; None leaves a value as it is."""
         self._send(Request(environment=messages.environment(environment)))
+
+    def set_model(self, model: AnimationModel | str, beam: BeamMotion | None = None) -> None:
+        """Changes how the hair is animated from the next step on, without a jump; `beam` None
+        leaves beams as they are. Where the server has no room, the head keeps its model, and a
+        notice says so; `Frame.model` tells which each frame has."""
+        self._send(Request(model=beams.set_model(model, beam)))
 
     @property
     def closed(self) -> bool:
@@ -247,6 +254,7 @@ class RealtimeHead(Head):
         outbox = Outbox(pose_limit=stream.POSE_LIMIT, stamp=self._acknowledger.stamp)
         super().__init__(stub, server, open_head, strands, outbox)
         self._environment = stream.EnvironmentMemory()
+        self._model = stream.ModelMemory()
         self._changed = threading.Condition()  # Guards what is below.
         self._selector = stream.FrameSelector(self._connection.opened.next_frame)
         self._resumptions = 0
@@ -279,6 +287,11 @@ class RealtimeHead(Head):
         with self._changed:
             self._environment.add(messages.environment(environment))
         super().set_environment(environment)
+
+    def set_model(self, model: AnimationModel | str, beam: BeamMotion | None = None) -> None:
+        with self._changed:
+            self._model.add(beams.set_model(model, beam))
+        super().set_model(model, beam)
 
     def newest(self) -> Frame | None:
         """The newest frame that has arrived, None before the first. Never blocks.
@@ -400,8 +413,8 @@ class RealtimeHead(Head):
             self._connection = connection
             self._receiver.opened = connection.opened
             self._resumptions += 1
-            repeat = self._environment.request()
-            if repeat is not None:
-                self._outbox.put_first(repeat)
+            for repeat in (self._environment.request(), self._model.request()):
+                if repeat is not None:
+                    self._outbox.put_first(repeat)
             if self._closed:
                 connection.half_close()

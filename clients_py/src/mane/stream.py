@@ -9,7 +9,8 @@ from collections import deque
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
-from mane import messages, value_messages
+from mane import beams, messages, value_messages
+from mane.beams import AnimationModel, BeamMotion
 from mane.frames import Diagnostics, Frame, FrameDecoder, FrameFormat, Space
 from mane.helix import Strands
 from mane.pose import Environment, Pose, choice
@@ -43,21 +44,27 @@ class Pacing(StrEnum):
 
 class NoticeCode(StrEnum):
     """LATE: the server missed deadlines. DRAINING: it is about to stop. NO_POSES: none came for
-    over a second."""
+    over a second. MODEL: the server changed the head's animation model, or kept it although it was
+    asked to change it."""
 
     UNSPECIFIED = "unspecified"
     LATE = "late"
     DRAINING = "draining"
     NO_POSES = "no_poses"
+    MODEL = "model"
 
 
 @dataclass(frozen=True)
 class Notice:
-    """Something that the server wants the client to know; the stream goes on."""
+    """Something that the server wants the client to know; the stream goes on.
+
+    `model` goes with the code MODEL: which the head has.
+    """
 
     code: NoticeCode
     message: str
     count: int
+    model: AnimationModel | None = None
 
 
 def format_value(format: FrameFormat | str) -> int:
@@ -82,6 +89,9 @@ def open_head(
     initial_pose: Pose | None = None,
     environment: Environment | None = None,
     diagnostics: bool = False,
+    model: AnimationModel | str = AnimationModel.SUPER_HELIX,
+    beam: BeamMotion | None = None,
+    may_shed: bool = False,
 ) -> animation_pb2.OpenHead:
     """The message that opens a head; `mane.Client.open_head` describes the arguments."""
     chosen = choice("pacing", Pacing, pacing)
@@ -97,6 +107,9 @@ def open_head(
         max_unacked_frames=max_unacked_frames if chosen == Pacing.REALTIME else 0,
         request_id=messages.request_id(),
         diagnostics=diagnostics,
+        model=beams.model_value(model),
+        beam=beams.beam_motion(beam),
+        may_shed=may_shed,
     )
     if initial_pose is not None:
         message.initial_pose.CopyFrom(value_messages.rigid(initial_pose))
@@ -137,6 +150,7 @@ def from_hair_frame(message: animation_pb2.HairFrame, decoder: FrameDecoder) -> 
         step_ms=message.step_ms,
         repaired_guides=message.repaired_guides,
         stepped_elements=message.stepped_elements,
+        model=beams.from_model(message.model),
         diagnostics=_diagnostics(message),
         angles=angles,
     )
@@ -173,7 +187,8 @@ class Receiver:
         if response.WhichOneof("kind") == "notice":
             notice = response.notice
             name = animation_pb2.Notice.Code.Name(notice.code).removeprefix("CODE_").lower()
-            self.notices.append(Notice(NoticeCode(name), notice.message, notice.count))
+            model = beams.from_model(notice.model) if name == NoticeCode.MODEL else None
+            self.notices.append(Notice(NoticeCode(name), notice.message, notice.count, model))
             return None
         return from_hair_frame(response.frame, self._decoder)
 
@@ -251,6 +266,24 @@ class EnvironmentMemory:
         if self._message is None:
             return None
         return animation_pb2.AnimateRequest(environment=self._message)
+
+
+class ModelMemory:
+    """The last change of the model, and of beams, to be repeated after a resumption."""
+
+    def __init__(self):
+        self._message: animation_pb2.SetModel | None = None
+
+    def add(self, change: animation_pb2.SetModel) -> None:
+        beam = self._message.beam if self._message and self._message.HasField("beam") else None
+        self._message = change
+        if beam is not None and not change.HasField("beam"):
+            self._message.beam.CopyFrom(beam)
+
+    def request(self) -> animation_pb2.AnimateRequest | None:
+        if self._message is None:
+            return None
+        return animation_pb2.AnimateRequest(model=self._message)
 
 
 def resume_delays():

@@ -1,0 +1,182 @@
+#include "head/beams.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "beam/response.h"
+#include "head/head.h"
+#include "head/points.h"
+#include "head/polyline.h"
+
+namespace mane::head {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+constexpr int kBlocksPerPiece = 4;
+// Under which grooms rest, head frame [m/s^2].
+const Vector3d kRestGravity(0, -9.81, 0);
+// Of the response of a beam's tip, that of a hanging chain's.
+constexpr double kChain = 1.45 / 2.1;
+// A hull that all points must be outside of is made smaller by so much more, relative.
+constexpr double kHullMargin = 1e-4;
+
+// Gives every guide its directions and the length of its segments.
+void FollowRest(const groom::Groom& groom, std::span<const rod::Row<float>> guides,
+                exec::WorkerPool& pool, Beams* beams) {
+  const int k = beams->options.segments;
+  beams->segment_length.resize(groom.guide_count());
+  beams->directions.resize(static_cast<size_t>(groom.guide_count()) * k);
+  const auto blocks = groom.batch.blocks();
+  pool.ParallelFor(static_cast<int>(blocks.size()), kBlocksPerPiece, [&](int first, int last) {
+    thread_local PointScratch scratch;
+    for (int i = first; i < last; ++i) {
+      ForRodPoints(
+          groom, blocks[i], guides, {}, CurvePoints(beams->options), scratch,
+          [&](int guide, std::span<const Vector3f> curve) {
+            const double d = StrideLength(curve, groom.guides[guide].strand.TotalLength(), k);
+            beams->segment_length[guide] = d;
+            Stride(curve, d,
+                   std::span(beams->directions).subspan(static_cast<size_t>(guide) * k, k));
+          });
+    }
+  });
+}
+
+std::vector<Vector3f> RestNodes(const groom::Groom& groom, const Beams& beams) {
+  std::vector<Vector3f> nodes;
+  nodes.reserve(static_cast<size_t>(groom.guide_count()) * (beams.options.segments + 1));
+  for (int guide = 0; guide < groom.guide_count(); ++guide) {
+    Vector3d node = groom.guides[guide].root.p;
+    nodes.push_back(node.cast<float>());
+    for (const Vector3d& e : beams.rest_of(guide)) {
+      node += beams.segment_length[guide] * e;
+      nodes.push_back(node.cast<float>());
+    }
+  }
+  return nodes;
+}
+
+beam::MotionSettings SettingsOf(const BeamOptions& options, std::optional<beam::Hull> hull) {
+  beam::MotionSettings settings;
+  settings.equations = options.equations;
+  settings.bounded = options.bounded;
+  settings.clamped = options.clamped;
+  settings.avoid_hull = options.avoid_head && hull.has_value();
+  settings.hull = std::move(hull);
+  settings.alpha = options.alpha;
+  settings.near = options.near;
+  settings.epsilon = options.epsilon;
+  settings.largest_turn = options.largest_turn;
+  settings.fluctuation = options.fluctuation;
+  settings.seed = options.seed;
+  return settings;
+}
+
+// What a guide's segments answer to, root first.
+struct Answer {
+  std::vector<double> response, hold;
+  double friction;
+};
+
+// Elastic hair that hangs is held by its weight, too. Where it is in equilibrium at rest, bending
+// balances what of gravity is across a segment; what is along it, G, turns it back as a pendulum's
+// weight does, so that what holds it is K + G (B11 with K for the sum). Lambda is that of a beam,
+// 2.1 / L, where K prevails, and that of a hanging chain, 1.45 / L, where G does. Segments that
+// stand against gravity are held by K alone.
+Answer AnswerOf(const BeamOptions& options, double rigidity, double density, double length,
+                double friction, std::span<const Vector3d> rest) {
+  const int k = options.segments;
+  Answer answer{beam::ResponseOf(length, k), beam::HoldOf(rigidity, density, length, k), 0};
+  double bending = 0, weight = 0;
+  for (int i = 0; i < k; ++i) {
+    const double K = options.hold * answer.hold[i];
+    const double G = options.hold > 0 ? std::max(0.0, kRestGravity.dot(rest[i])) : 0;
+    answer.hold[i] = K + G;
+    bending = K, weight = (weight * i + G) / (i + 1);
+  }
+  if (options.hold > 0) {
+    const double sum = bending + weight;
+    for (double& each : answer.response) each *= (bending + kChain * weight) / sum;
+    // Friction is in what bends, though it is counted of all that holds (B12).
+    answer.friction = friction * bending / sum;
+  }
+  if (options.tip_response) {
+    for (int i = 0; i < k; ++i) answer.response[i] = *options.tip_response * (i + 1) / k;
+  }
+  return answer;
+}
+
+beam::MotionBatch<float> MakeBatch(const groom::Groom& groom, const Beams& beams,
+                                   std::optional<beam::Hull> hull) {
+  const BeamOptions& options = beams.options;
+  std::vector<Answer> answers;
+  answers.reserve(groom.guide_count());
+  std::vector<beam::MotionHair> hairs;
+  for (int i = 0; i < groom.guide_count(); ++i) {
+    const groom::Guide& guide = groom.guides[i];
+    const rod::Strand& strand = guide.strand;
+    const double d = beams.segment_length[i], L = options.segments * d;
+    const double rho = strand.linear_density * strand.TotalLength() / L;
+    const double EI = std::sqrt(strand.stiffness[1] * strand.stiffness[2]);
+    const Answer& answer = answers.emplace_back(
+        AnswerOf(options, EI, rho, L, strand.internal_friction / EI, beams.rest_of(i)));
+    hairs.push_back({guide.root.p, d, beams.rest_of(i), answer.response, answer.hold,
+                     strand.air_drag / strand.linear_density, answer.friction});
+  }
+  // Nothing balances the weight of what nothing holds.
+  const Vector3d gravity = options.hold > 0 ? kRestGravity : Vector3d::Zero();
+  return {options.segments, hairs, gravity, SettingsOf(options, std::move(hull))};
+}
+
+}  // namespace
+
+int CurvePoints(const BeamOptions& options) { return 8 * options.segments + 1; }
+
+std::optional<beam::Hull> HullOf(const groom::Groom& groom, std::span<const Vector3f> outside) {
+  beam::Hull hull;
+  if (const auto* ellipsoid = std::get_if<groom::Ellipsoid>(&groom.scalp)) {
+    hull = {ellipsoid->center, ellipsoid->radii};
+  } else if (const auto* mesh = std::get_if<groom::TriangleMesh>(&groom.scalp)) {
+    const auto fitted = beam::FitHull(mesh->vertices);
+    if (!fitted) return std::nullopt;  // A scalp like a plate: nothing to stay out of.
+    hull = *fitted;
+  } else {
+    return std::nullopt;
+  }
+  double least = 1;
+  for (const Vector3f& point : outside) {
+    least = std::min(least, hull.At(point.cast<double>()) + 1);
+  }
+  if (!(least > 0)) return std::nullopt;
+  if (least < 1) hull.radii *= std::sqrt(least) * (1 - kHullMargin);
+  return hull;
+}
+
+std::shared_ptr<const Beams> MakeBeams(const groom::Groom& groom, const Bodies* bodies,
+                                       const BeamOptions& options, exec::WorkerPool& pool) {
+  auto beams = std::make_shared<Beams>();
+  beams->options = options;
+  HeadState still = AtRest(groom, {});
+  if (bodies != nullptr && !bodies->settled.empty()) still.guides = bodies->settled;
+  beams->coordinates = Coordinates(groom, still);
+  FollowRest(groom, still.guides, pool, beams.get());
+  beams->batch = MakeBatch(groom, *beams, HullOf(groom, RestNodes(groom, *beams)));
+
+  beams->rest.resize(beams->batch.state_rows());
+  beams->roots.resize(beams->batch.blocks());
+  for (int i = 0; i < groom.guide_count(); ++i) {
+    beams->batch.SetHair(i, beams->rest_of(i), {}, kLongestStep, beams->rest);
+    const Vector3f root = groom.guides[i].root.p.cast<float>();
+    const int first = i % simd::kLanes;
+    const int last = i + 1 == groom.guide_count() ? simd::kLanes : first + 1;
+    for (int axis = 0; axis < 3; ++axis) {
+      std::fill(beams->roots[i / simd::kLanes][axis].lane + first,
+                beams->roots[i / simd::kLanes][axis].lane + last, root[axis]);
+    }
+  }
+  return beams;
+}
+
+}  // namespace mane::head

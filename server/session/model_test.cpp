@@ -1,0 +1,178 @@
+// Laws of how heads of a session are animated:
+//   open        a head opened as BEAM is animated so from its first frame, and says so
+//   change      LOCKSTEP: from the next pose on, the same bits each time; real time: once ready
+//   diagnostics frames of BEAM carry none
+//   room        a change that there is no room for is refused; a change back never is
+//   shared      heads of one groom and one kind share their beams, which go with the last
+//   shed        a head that may be shed becomes BEAM while its frames come late, and says so
+
+#include "base/clock.h"
+#include "session/admission.h"
+#include "session/test_heads.h"
+
+namespace mane::session {
+namespace {
+
+class ModelTest : public RegistryTest {
+ protected:
+  static head::ModelOptions Beam(int segments = 8) {
+    head::ModelOptions model;
+    model.model = head::Model::kBeam;
+    model.beam.segments = segments;
+    return model;
+  }
+  std::shared_ptr<HeadSession> OpenWith(Registry& registry, TestStream& stream,
+                                        const HeadOptions& options) {
+    const auto opened = registry.Open({groom_}, options, "", &stream);
+    EXPECT_TRUE(opened) << (opened ? "" : opened.error().message);
+    if (!opened) return nullptr;
+    stream.Follow(opened->head);
+    return opened->head;
+  }
+  // Frames of a lockstep head that is changed before these poses.
+  std::vector<FramePtr> Play(const head::ModelOptions& first,
+                             const std::vector<std::pair<int, head::ModelOptions>>& changes) {
+    Registry registry({}, pool_, pool_);
+    TestStream stream;
+    HeadOptions options;
+    options.pacing = Pacing::kLockstep;
+    options.model = first;
+    options.diagnostics = true;
+    const auto head = OpenWith(registry, stream, options);
+    for (int i = 0; i < 24; ++i) {
+      for (const auto& [pose, model] : changes) {
+        if (pose == i) {
+          EXPECT_TRUE(head->Submit(ModelCommand{model}));
+        }
+      }
+      EXPECT_TRUE(head->Submit(Pose(i)));
+    }
+    EXPECT_TRUE(stream.WaitForFrames(24));
+    return stream.frames();
+  }
+};
+
+TEST_F(ModelTest, AHeadOpenedAsBeamsIsOneFromItsFirstFrame) {
+  for (const FramePtr& frame : Play(Beam(), {})) {
+    EXPECT_EQ(frame->model, head::Model::kBeam);
+    EXPECT_EQ(frame->stepped_elements, 12 * 8);
+    EXPECT_FALSE(frame->diagnostics);
+  }
+}
+
+TEST_F(ModelTest, LockstepChangesFromTheNextPoseOnTheSameWayEachTime) {
+  const std::vector<std::pair<int, head::ModelOptions>> changes = {
+      {6, Beam()}, {12, Beam(20)}, {18, head::ModelOptions{}}};
+  const auto frames = Play({}, changes), again = Play({}, changes);
+  for (int i = 0; i < 24; ++i) {
+    const bool beam = i >= 6 && i < 18;
+    EXPECT_EQ(frames[i]->model, beam ? head::Model::kBeam : head::Model::kSuperHelix) << i;
+    EXPECT_EQ(frames[i]->diagnostics.has_value(), !beam) << i;
+    EXPECT_EQ(frames[i]->data, again[i]->data) << i;
+    if (beam) {
+      EXPECT_EQ(frames[i]->stepped_elements, 12 * (i < 12 ? 8 : 20)) << i;
+    }
+  }
+  EXPECT_NE(frames[23]->data, Play({}, {})[23]->data);
+}
+
+TEST_F(ModelTest, RealTimeChangesOnceBeamsAreReadyAndBack) {
+  Registry registry({}, pool_, pool_);
+  TestStream stream;
+  const auto head = Open(registry, stream, Pacing::kRealtime);
+  ASSERT_TRUE(head->Submit(Pose(0)));
+  ASSERT_TRUE(head->Submit(ModelCommand{Beam()}));
+  const auto shows = [](head::Model model) {
+    return [model](const TestStream& s) {
+      return !s.frames_.empty() && s.frames_.back()->model == model;
+    };
+  };
+  EXPECT_TRUE(stream.WaitFor(shows(head::Model::kBeam)));
+  ASSERT_TRUE(head->Submit(ModelCommand{}));
+  EXPECT_TRUE(stream.WaitFor(shows(head::Model::kSuperHelix)));
+  EXPECT_FALSE(stream.end_);
+}
+
+TEST_F(ModelTest, AChangeNeedsRoomAndAChangeBackDoesNot) {
+  HeadOptions rods, beams;
+  beams.model = Beam();
+  const double rod_load = RealtimeLoad(*groom_, rods), beam_load = RealtimeLoad(*groom_, beams);
+  ASSERT_LT(beam_load, rod_load);
+  RegistryOptions limits;
+  limits.realtime_capacity = 1.001 * (rod_load + beam_load);
+  Registry registry(limits, pool_, pool_);
+  TestStream first, second;
+  const auto one = OpenWith(registry, first, beams), two = OpenWith(registry, second, beams);
+  ASSERT_TRUE(registry.AdmitModel(one, {}));
+  const auto refused = registry.AdmitModel(two, {});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kResourceExhausted);
+  EXPECT_EQ(refused.error().field, "model.model");
+  // The first keeps what it was let in with, there and back.
+  EXPECT_TRUE(registry.AdmitModel(one, Beam()));
+  EXPECT_FALSE(registry.AdmitModel(two, {}));
+  EXPECT_TRUE(registry.AdmitModel(one, {}));
+  registry.Close(one, &first);
+  EXPECT_TRUE(registry.AdmitModel(two, {}));
+}
+
+TEST_F(ModelTest, BeamsCostWhatTheirSegmentsDo) {
+  EXPECT_DOUBLE_EQ(StepWork(*groom_, 3, Beam(10)), 3 * 12 * 10 * kBeamSteps);
+  HeadOptions options;
+  options.model = Beam(10);
+  EXPECT_DOUBLE_EQ(RealtimeLoad(*groom_, options),
+                   60 * (12 * 10 * kBeamSteps + kFrameSteps + 12 * 16 * kPointSteps));
+  const auto much = AdmitFrame(*groom_, {{}, 1, 10'000'000}, Beam(10));
+  ASSERT_FALSE(much);
+  EXPECT_NE(much.error().message.find("12 guides of 10 segments"), std::string::npos)
+      << much.error().message;
+}
+
+TEST_F(ModelTest, HeadsOfOneKindShareTheirBeams) {
+  BeamLibrary library(pool_);
+  auto first = library.FindOrMake({groom_}, Beam(8).beam);
+  EXPECT_EQ(library.FindOrMake({groom_}, Beam(8).beam), first);
+  EXPECT_NE(library.FindOrMake({groom_}, Beam(9).beam), first);
+  EXPECT_NE(library.FindOrMake({head::SampleGroom(12, 4)}, Beam(8).beam), first);
+  const std::weak_ptr<const head::Beams> gone = first;
+  first.reset();
+  EXPECT_TRUE(gone.expired());
+}
+
+TEST_F(ModelTest, AHeadThatMayBeShedBecomesBeamsWhileFramesComeLate) {
+  LevelLibrary levels(pool_);
+  BeamLibrary library(pool_);
+  for (const bool may_shed : {false, true}) {
+    HeadOptions options;
+    options.may_shed = may_shed;
+    const auto head =
+        std::make_shared<HeadSession>("heads/1", Asset{groom_}, options, pool_, levels, library);
+    TestStream stream;
+    stream.Follow(head);
+    head->Attach(&stream);
+    ASSERT_TRUE(head->Submit(Pose(0)));
+    double due = base::SteadySeconds();
+    const auto tick = [&](int missed) {
+      const size_t count = stream.frames().size();
+      head->Tick(due += 1 / 60.0, missed);
+      EXPECT_TRUE(stream.WaitForFrames(count + 1));
+      pool_.WaitIdle();
+      if (!stream.frames().empty()) (void)head->Acknowledge(stream.frames().back()->index);
+    };
+    tick(0);
+    tick(Shedding::kMostLate - 1);
+    EXPECT_EQ(stream.frames().back()->model, head::Model::kSuperHelix);
+    tick(1);
+    tick(0);
+    EXPECT_EQ(stream.frames().back()->model,
+              may_shed ? head::Model::kBeam : head::Model::kSuperHelix);
+    const auto told = std::ranges::count_if(stream.notices_, [](const Notice& notice) {
+      return notice.code == Notice::Code::kModel && notice.model == head::Model::kBeam;
+    });
+    EXPECT_EQ(told, may_shed ? 1 : 0);
+    head->Detach(&stream);
+  }
+}
+
+}  // namespace
+}  // namespace mane::session
