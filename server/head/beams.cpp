@@ -19,6 +19,10 @@ constexpr int kBlocksPerPiece = 4;
 const Vector3d kRestGravity(0, -9.81, 0);
 // Of the response of a beam's tip, that of a hanging chain's.
 constexpr double kChain = 1.45 / 2.1;
+// Of a guide's axis.
+constexpr int kAxisChords = 4;
+// Over the guide's length: rings have none.
+constexpr double kShortestAxis = 0.1;
 // A hull that all points must be outside of is made smaller by so much more, relative.
 constexpr double kHullMargin = 1e-4;
 
@@ -74,6 +78,28 @@ beam::MotionSettings SettingsOf(const BeamOptions& options, std::optional<beam::
   return settings;
 }
 
+// The line that a guide winds about: some long chords, which leave out its waves, but not that it
+// lies over a head and then falls.
+struct Axis {
+  double length = 0;                 // [m]
+  std::vector<Vector3d> directions;  // Unit, of each segment.
+};
+
+Axis AxisOf(std::span<const Vector3d> rest, double segment_length) {
+  const int k = static_cast<int>(rest.size());
+  Axis axis;
+  for (int chord = 0; chord < kAxisChords; ++chord) {
+    const int begin = chord * k / kAxisChords, end = (chord + 1) * k / kAxisChords;
+    if (begin == end) continue;
+    Vector3d way = Vector3d::Zero();
+    for (int i = begin; i < end; ++i) way += rest[i];
+    axis.length += segment_length * way.norm();
+    axis.directions.resize(end, way.normalized());
+  }
+  axis.length = std::max(axis.length, kShortestAxis * segment_length * k);
+  return axis;
+}
+
 // What a guide's segments answer to, root first.
 struct Answer {
   std::vector<double> response, hold;
@@ -85,14 +111,15 @@ struct Answer {
 // weight does, so that what holds it is K + G (B11 with K for the sum). Lambda is that of a beam,
 // 2.1 / L, where K prevails, and that of a hanging chain, 1.45 / L, where G does. Segments that
 // stand against gravity are held by K alone.
-Answer AnswerOf(const BeamOptions& options, double rigidity, double density, double length,
-                double friction, std::span<const Vector3d> rest) {
+Answer AnswerOf(const BeamOptions& options, double rigidity, double density, double friction,
+                const Axis& axis) {
   const int k = options.segments;
-  Answer answer{beam::ResponseOf(length, k), beam::HoldOf(rigidity, density, length, k), 0};
+  Answer answer{beam::ResponseOf(axis.length, k), beam::HoldOf(rigidity, density, axis.length, k),
+                0};
   double bending = 0, weight = 0;
   for (int i = 0; i < k; ++i) {
     const double K = options.hold * answer.hold[i];
-    const double G = options.hold > 0 ? std::max(0.0, kRestGravity.dot(rest[i])) : 0;
+    const double G = options.hold > 0 ? std::max(0.0, kRestGravity.dot(axis.directions[i])) : 0;
     answer.hold[i] = K + G;
     bending = K, weight = (weight * i + G) / (i + 1);
   }
@@ -117,11 +144,14 @@ beam::MotionBatch<float> MakeBatch(const groom::Groom& groom, const Beams& beams
   for (int i = 0; i < groom.guide_count(); ++i) {
     const groom::Guide& guide = groom.guides[i];
     const rod::Strand& strand = guide.strand;
-    const double d = beams.segment_length[i], L = options.segments * d;
-    const double rho = strand.linear_density * strand.TotalLength() / L;
+    const double d = beams.segment_length[i];
+    // Hair that winds is a beam along its axis, as much heavier and softer a length as it is
+    // longer.
+    const Axis axis = AxisOf(beams.rest_of(i), d);
+    const double winds = strand.TotalLength() / axis.length;
     const double EI = std::sqrt(strand.stiffness[1] * strand.stiffness[2]);
-    const Answer& answer = answers.emplace_back(
-        AnswerOf(options, EI, rho, L, strand.internal_friction / EI, beams.rest_of(i)));
+    const Answer& answer = answers.emplace_back(AnswerOf(
+        options, EI / winds, strand.linear_density * winds, strand.internal_friction / EI, axis));
     hairs.push_back({guide.root.p, d, beams.rest_of(i), answer.response, answer.hold,
                      strand.air_drag / strand.linear_density, answer.friction});
   }
