@@ -35,23 +35,24 @@ struct Force {
   enum class Kind {
     kUniform,  ///< `vector` [m/s^2].
     kToward,  ///< Of size `strength` toward `point`, falling off linearly within `softening` of it.
-    kAround,  ///< Along the hull's surface toward `point`: what combs hair there without lifting
-              ///< it.
+    kAround,  ///< What of kToward lies along the hull's surface: combs hair without lifting it.
   };
   Kind kind = Kind::kUniform;
   Eigen::Vector3d vector = Eigen::Vector3d::Zero();
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< Head frame [m].
   double strength = 0;                              ///< [m/s^2]
   double softening = 0.01;                          ///< [m]
-  std::vector<HalfSpace> where;                     ///< Empty for everywhere.
+  std::vector<HalfSpace> where;                     ///< Empty for everywhere; at most 8.
   PoreRegion pores;
 };
 
-/// What a pair of scissors does: the end of a hair is left out from the first node on that is cut.
+/// What a pair of scissors does: a hair ends where it first leaves what the cut keeps, so that its
+/// last segment may be shorter; what would end in less than a segment inside the hull ends a node
+/// earlier, and a hair of no segment is left out. At least one of the three is given.
 struct Cut {
   PoreRegion pores;              ///< Hair that it is about.
-  std::optional<double> height;  ///< Cuts nodes whose y is below [m].
-  std::vector<HalfSpace> keep;   ///< Cuts nodes outside of any.
+  std::optional<double> height;  ///< Cuts what is below this y [m].
+  std::vector<HalfSpace> keep;   ///< Cuts what is outside of any, at most 8.
   /// Longest length left [m], by the height of the pore, linear between the two and constant beyond
   /// ([AUK92] Figure 6 (d)).
   struct ByPore {
@@ -87,10 +88,12 @@ struct Part {
   std::vector<Cut> cuts;            ///< At most 16; they follow those of the style.
 };
 
-/// A hairstyle by beams, whole.
+/// A hairstyle by beams, whole. All parts have at most 10 million nodes before they are cut.
 struct BeamStyle {
   uint64_t seed = 0;
-  double gravity = 9.81;      ///< [m/s^2], in [0, 1000], along -Y.
+  double gravity = 9.81;  ///< [m/s^2], in [0, 1000], along -Y.
+  /// Standard deviation of the factor on k_a that each hair draws (B16), in [0, 1].
+  double ambient_deviation = 0.2;
   std::vector<Part> parts;    ///< 1 to 16.
   std::vector<Force> forces;  ///< On all parts, at most 16.
   std::vector<Cut> cuts;      ///< Of all parts, at most 16.
@@ -113,11 +116,13 @@ using Loop = std::function<void(int count, const std::function<void(int first, i
 [[nodiscard]] Result<void> ValidateBeamStyle(const BeamStyle& style, const std::string& field);
 
 /// Styles a head: pores, bending (B3 to B6), cuts. The same bits for the same arguments, whatever
-/// `loop` does. Every node lies outside the hull or on it; segments keep their length.
+/// `loop` does. Every node lies outside the hull or on it; segments have the length that they were
+/// given to within the rounding of their nodes' coordinates to float, but for the last of cut hair.
 ///
 /// @param style  valid (ValidateBeamStyle).
 /// @return INVALID_ARGUMENT naming a part of `field` for what does not fit the head: tied points
-///         inside it, cuts that meet no hair or leave none.
+///         inside it, cuts that meet no hair or leave none of a part (those of the style: none at
+///         all).
 [[nodiscard]] Result<StyledHairs> ApplyBeamStyle(const BeamStyle& style, const Hull& hull,
                                                  const std::string& field, const Loop& loop);
 
