@@ -1,5 +1,7 @@
 #include "beam/pores.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>

@@ -112,7 +112,8 @@ struct StyledHairs {
 /// Runs `work` on pieces [first, last) of [0, count), at once or one after the other.
 using Loop = std::function<void(int count, const std::function<void(int first, int last)>& work)>;
 
-/// INVALID_ARGUMENT naming a part of `field` for what is out of range whatever the head.
+/// INVALID_ARGUMENT naming a part of `field`, as mane.v1.BeamStyle has it, for what is out of range
+/// whatever the head.
 [[nodiscard]] Result<void> ValidateBeamStyle(const BeamStyle& style, const std::string& field);
 
 /// Styles a head: pores, bending (B3 to B6), cuts. The same bits for the same arguments, whatever

@@ -33,6 +33,7 @@ std::vector<Vector3f> HeadOf(const groom::TriangleMesh& mesh) {
       points.push_back(mesh.vertices[corner]);
     }
   }
+  hair.min().y() = hair.center().y();
   hair.max().y() = std::numeric_limits<float>::infinity();
   std::ranges::copy_if(mesh.vertices, std::back_inserter(points),
                        [&hair](const Vector3f& vertex) { return hair.contains(vertex); });

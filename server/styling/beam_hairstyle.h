@@ -25,9 +25,9 @@ struct BeamHairstyle {
 };
 
 /// The hull that stands for a head: an ellipsoid itself; of a mesh, the hull (beam::FitHull) of the
-/// corners of the triangles on which hair grows, and of what lies above the lowest of them and
-/// within their extent to the sides, front and back: not of neck and shoulders, and of the face
-/// what lies behind the foremost hair.
+/// corners of the triangles on which hair grows, and of what lies above their middle height and
+/// within their extent to the sides, front and back: neither of the jaw, which an ellipsoid around
+/// the skull fits badly, nor of neck and shoulders. Hair that grows everywhere: of all of the mesh.
 ///
 /// @param scalp  valid and not empty. @return INVALID_ARGUMENT naming `scalp_mesh`.
 [[nodiscard]] Result<beam::Hull> HullOf(const groom::Scalp& scalp);

@@ -55,9 +55,10 @@ beam::BeamStyle TwoParts() {
   return style;
 }
 
-BeamHairstyle Make(const groom::Scalp& scalp, int workers = 2) {
+BeamHairstyle Make(const groom::Scalp& scalp, int workers = 2,
+                   const beam::BeamStyle& style = TwoParts()) {
   exec::WorkerPool pool(workers);
-  auto made = MakeBeamHairstyle(TwoParts(), kGuides, scalp, "style", pool);
+  auto made = MakeBeamHairstyle(style, kGuides, scalp, "style", pool);
   EXPECT_TRUE(made) << made.error().message;
   return *std::move(made);
 }
@@ -148,13 +149,17 @@ TEST(BeamHairstyle, BeginsOnTheSkinOfAMesh) {
   mesh.triangles.push_back({0, 1, static_cast<uint32_t>(mesh.vertices.size() - 1)});
   const auto hull = HullOf(mesh);
   ASSERT_TRUE(hull);
-  const BeamHairstyle made = Make(mesh);
+  beam::BeamStyle style = TwoParts();
+  style.parts[1].tied_at->z() = -0.2;
+  const BeamHairstyle made = Make(mesh, 2, style);
   int deep = 0;
   for (int i = 0; i < made.members.strands(); ++i) {
     const auto hair = made.members.strand(i);
     const Vector3d skin = hair[0].cast<double>(), pore = hair[1].cast<double>();
-    if (pore.z() < -0.115 && std::abs(pore.x()) < 0.011 && hair.size() == 16)
-      continue;  // The tail.
+    if (skin.z() < -0.19) {  // The tail begins where it is tied.
+      EXPECT_NEAR(skin.z(), -0.2, 1e-6);
+      continue;
+    }
     EXPECT_NEAR(hull->At(pore), 0, 1e-5);
     EXPECT_GT((pore - skin).norm(), 0.999e-3);
     // On the line to the center.
