@@ -1,0 +1,159 @@
+#include "beam/presets.h"
+
+#include <numbers>
+#include <utility>
+
+namespace mane::beam {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kEyes = 0;      // y [m]
+constexpr double kNeck = -0.1;   // y [m]
+constexpr double kComb = 25;     // [m/s^2]
+constexpr double kBeside = 0.3;  // From the middle of the head [m].
+
+// By angles in degrees.
+PoreRegion Region(double least_zenith, double greatest_zenith, double from, double to) {
+  return {least_zenith * kDegree, greatest_zenith * kDegree, from * kDegree, to * kDegree};
+}
+
+Part PartOf(std::string name, const PoreRegion& pores, int count, double length) {
+  Part part;
+  part.name = std::move(name);
+  part.pores = pores;
+  part.count = count;
+  part.length = length;
+  part.rigidity_fluctuation = 0.3;
+  return part;
+}
+
+Force Around(const Vector3d& point, double strength) {
+  Force force;
+  force.kind = Force::Kind::kAround;
+  force.point = point;
+  force.strength = strength;
+  return force;
+}
+
+// The same for segments above a height alone.
+Force AroundAbove(double y, const Vector3d& point, double strength) {
+  Force force = Around(point, strength);
+  force.where = {{Vector3d::UnitY(), y}};
+  return force;
+}
+
+Cut Below(double y, const PoreRegion& pores = {}) {
+  Cut cut;
+  cut.pores = pores;
+  cut.height = y;
+  return cut;
+}
+
+// Hair of either side of the head is combed to its side above the eyes, so that it parts in the
+// middle; the hair of the face's side begins higher than that of the neck's.
+std::vector<Part> Sides(double length, double length_fluctuation) {
+  std::vector<Part> parts = {
+      PartOf("right front", Region(0, 62, 0, 75), 4000, length),
+      PartOf("left front", Region(0, 62, -75, 0), 4000, length),
+      PartOf("right back", Region(0, 105, 75, 180), 5000, length),
+      PartOf("left back", Region(0, 105, -180, -75), 5000, length),
+  };
+  for (size_t i = 0; i < parts.size(); ++i) {
+    parts[i].forces = {AroundAbove(kEyes, {i % 2 == 0 ? kBeside : -kBeside, 0, 0}, kComb)};
+    parts[i].length_fluctuation = length_fluctuation;
+  }
+  return parts;
+}
+
+BeamPreset Bob() {
+  BeamPreset bob{"bob", "Parted in the middle, short bangs, cut level at the neck.", {}};
+  bob.style.parts = Sides(0.3, 0);
+  for (Part& part : bob.style.parts) part.cuts = {Below(kNeck)};
+  Part bangs = PartOf("bangs", Region(25, 62, -40, 40), 2500, 0.12);
+  bangs.forces = {Around({0, -0.1, 0.3}, kComb / 2)};
+  bangs.cuts = {Below(0.02)};
+  bangs.rigidity = 3e-9;
+  bob.style.parts.emplace_back(bangs);
+  return bob;
+}
+
+BeamPreset DroopingBangs() {
+  BeamPreset out{"drooping_bangs", "A bob of uneven ends, whose bangs droop to the eyes.", {}};
+  out.style.parts = Sides(0.25, 0.25);
+  Part bangs = PartOf("bangs", Region(20, 62, -45, 45), 3000, 0.14);
+  bangs.length_fluctuation = 0.3;
+  bangs.rigidity = 1e-8;
+  bangs.forces = {Around({0, -0.1, 0.3}, kComb)};
+  out.style.parts.emplace_back(bangs);
+  return out;
+}
+
+BeamPreset SweptBack() {
+  BeamPreset out{"swept_back", "From the face backwards, with a tuft before either temple.", {}};
+  Part all = PartOf("swept", Region(0, 62, -75, 75), 9000, 0.25);
+  Part back = PartOf("back", Region(0, 105, 75, -75), 9000, 0.22);
+  all.forces = {Around({0, 0.3, -0.3}, 2 * kComb)};
+  all.forces[0].where = {{Vector3d::UnitZ(), -0.02}};  // Behind that it falls.
+  back.forces = {AroundAbove(kEyes, {0, -kBeside, -kBeside}, kComb / 2)};
+  back.length_fluctuation = all.length_fluctuation = 0.1;
+  out.style.parts = {all, back};
+  for (const double side : {1.0, -1.0}) {
+    const double from = side > 0 ? 62 : -74, to = side > 0 ? 74 : -62;
+    Part tuft = PartOf(side > 0 ? "right tuft" : "left tuft", Region(62, 76, from, to), 400, 0.12);
+    out.style.parts.emplace_back(tuft);
+  }
+  return out;
+}
+
+// Of the hull, on the way to its center.
+Vector3d PointUnder(const Vector3d& point) {
+  const Polar polar = PolarOf(PresetHull(), point);
+  return PresetHull().Point(polar.zenith, polar.azimuth);
+}
+
+BeamPreset Ponytail() {
+  BeamPreset out{"ponytail", "Drawn to the back of the head and tied there.", {}};
+  const Vector3d tie(0, 0.05, -0.115);
+  Part drawn = PartOf("drawn", Region(0, 100, -180, 180), 14'000, 0.22);
+  drawn.forces = {Around(tie, 120)};
+  drawn.rigidity = 1e-9;
+  // Ends where it reaches the ribbon: at a plane that cuts a cap from the hull there.
+  const Vector3d under = PointUnder(tie), outward = PresetHull().Gradient(under).normalized();
+  Cut ribbon;
+  ribbon.keep = {{-outward, 0.002 - outward.dot(under)}};
+  drawn.cuts = {ribbon};
+  Part tail = PartOf("tail", {}, 6000, 0.35);
+  tail.tied_at = tie;
+  tail.tied_radius = 0.012;
+  tail.tied_along = {0, 0.3, -1};
+  tail.length_fluctuation = 0.15;
+  tail.rigidity = 6e-8;
+  tail.rigidity_fluctuation = 0.7;
+  out.style.parts = {drawn, tail};
+  return out;
+}
+
+BeamPreset ShortCut() {
+  BeamPreset out{"short_cut", "Short at the neck, longer toward the crown.", {}};
+  out.style.parts = {PartOf("front", Region(0, 62, -75, 75), 8000, 0.12),
+                     PartOf("back", Region(0, 110, 75, -75), 12'000, 0.12)};
+  for (Part& part : out.style.parts) part.rigidity = 2e-9;
+  out.style.parts[0].forces = {Around({0, -0.2, 0.4}, kComb)};
+  out.style.parts[1].forces = {Around({0, -0.5, -0.2}, kComb)};
+  Cut by_pore;
+  by_pore.by_pore = Cut::ByPore{-0.04, 0.015, 0.11, 0.11};
+  out.style.cuts = {by_pore, Below(0.03, Region(0, 62, -50, 50))};
+  return out;
+}
+
+}  // namespace
+
+Hull PresetHull() { return {Vector3d::Zero(), Vector3d(0.08, 0.11, 0.1)}; }
+
+std::vector<BeamPreset> BeamPresets() {
+  return {Bob(), DroopingBangs(), SweptBack(), Ponytail(), ShortCut()};
+}
+
+}  // namespace mane::beam
