@@ -136,7 +136,7 @@ BeamPreset Ponytail() {
 }
 
 BeamPreset ShortCut() {
-  BeamPreset out{"short_cut", "Short at the neck, longer toward the crown.", {}};
+  BeamPreset out{"short", "Short at the neck, longer toward the crown.", {}};
   out.style.parts = {PartOf("front", Region(0, 62, -75, 75), 8000, 0.12),
                      PartOf("back", Region(0, 110, 75, -75), 12'000, 0.12)};
   for (Part& part : out.style.parts) part.rigidity = 2e-9;

@@ -124,7 +124,7 @@ TEST(BeamPresetsTest, ThePonytailIsDrawnToItsTieAndHangsBehind) {
 }
 
 TEST(BeamPresetsTest, TheShortCutIsShorterBelow) {
-  Wig wig = WigOf("short_cut");
+  Wig wig = WigOf("short");
   const auto length = [](const std::vector<Vector3d>& hair) {
     double sum = 0;
     for (size_t i = 1; i < hair.size(); ++i) sum += (hair[i] - hair[i - 1]).norm();

@@ -7,7 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "rpc/convert_beam_style.h"
+#include "rpc/style_presets.h"
 #include "rpc/styling_fixture.h"
+#include "styling/beam_hairstyle.h"
 
 namespace mane::rpc {
 namespace {
@@ -141,6 +144,33 @@ TEST_F(BeamStyleTest, WhatDoesNotFitTheHeadFailsTheJob) {
   EXPECT_EQ(failed.state(), v1::Job::STATE_FAILED);
   EXPECT_NE(failed.error().find("header.beam_style.parts[0].tied_at"), std::string::npos)
       << failed.error();
+}
+
+// Of a head of human size: every preset is valid, and hair grows from it all.
+TEST(BeamPresetsTest, EveryPresetComesOut) {
+  groom::Ellipsoid head;
+  head.center = {0, 0.055, 0.025};
+  head.radii = {0.09, 0.112, 0.115};
+  exec::WorkerPool pool(2);
+  int presets = 0;
+  for (const v1::StylePreset& preset : StylePresets().presets()) {
+    if (!preset.has_beam_style()) continue;
+    ++presets;
+    SCOPED_TRACE(preset.name());
+    EXPECT_TRUE(preset.name().starts_with("beam-"));
+    const auto style = ToBeamStyle(preset.beam_style(), "style");
+    ASSERT_TRUE(style) << style.error().message;
+    const auto made = styling::MakeBeamHairstyle(style->style, 50, head, "style", pool);
+    ASSERT_TRUE(made) << made.error().message;
+    int hairs = 0;
+    for (const beam::Part& part : style->style.parts) hairs += part.count;
+    EXPECT_GT(made->members.strands(), 0.9 * hairs);
+    const beam::Hull hull{head.center, head.radii};
+    for (const Eigen::Vector3f& p : made->members.points) {
+      ASSERT_GT(hull.At(p.cast<double>()), -1e-5);
+    }
+  }
+  EXPECT_EQ(presets, 5);
 }
 
 }  // namespace

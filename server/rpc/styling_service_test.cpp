@@ -204,7 +204,7 @@ TEST_F(StylingServiceTest, WhatDoesNotFitTheHeadFailsTheJob) {
 
 // Of a head of human size: every preset is valid, leads all hair that it selects, and keeps out.
 TEST(StylePresetsTest, EveryPresetComesOut) {
-  ASSERT_EQ(StylePresets().presets_size(), 7);
+  int wisps = 0;
   groom::Ellipsoid head;
   head.center = {0, 0.05, 0.02};
   head.radii = {0.077, 0.094, 0.092};
@@ -214,6 +214,8 @@ TEST(StylePresetsTest, EveryPresetComesOut) {
   exec::WorkerPool pool(2);
   styling::Stylist stylist(head, obstacles);
   for (const v1::StylePreset& preset : StylePresets().presets()) {
+    if (!preset.has_style()) continue;
+    ++wisps;
     SCOPED_TRACE(preset.name());
     v1::Style small = preset.style();
     small.set_wisp_count(150);
@@ -231,6 +233,7 @@ TEST(StylePresetsTest, EveryPresetComesOut) {
       ASSERT_GT(styling::DistanceTo(obstacles, p.cast<double>()).distance, -1e-5);
     }
   }
+  EXPECT_EQ(wisps, 7);
 }
 
 }  // namespace

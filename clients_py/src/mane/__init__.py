@@ -8,6 +8,7 @@ All lengths are metres, all angles radians; axes are right-handed with Y up, an 
 toward +Z; quaternions are (x, y, z, w). `mane.convert` brings other conventions here.
 """
 
+from mane.beam_style import BeamStyle, PoreRegion, Spread
 from mane.bodies import (
     Body,
     BodySummary,
@@ -54,11 +55,13 @@ from mane.motion import Motion
 from mane.pose import Environment, Pose
 from mane.strands import HairProperties, ImportOptions, ImportReport, ImportSummary, Strand
 from mane.stream import Notice, NoticeCode, Pacing
-from mane.style import Region, StrandKind, Style, StylePreset
+from mane.style import Region, StrandKind, Style
+from mane.styles import StylePreset, load_style
 
 __all__ = [
     "AlreadyExists",
     "Bake",
+    "BeamStyle",
     "Body",
     "BodySummary",
     "Cancelled",
@@ -102,6 +105,7 @@ __all__ = [
     "Outcome",
     "Pacing",
     "PermissionDenied",
+    "PoreRegion",
     "Pose",
     "RealtimeHead",
     "Region",
@@ -109,6 +113,7 @@ __all__ = [
     "RestShape",
     "ScalpContact",
     "Space",
+    "Spread",
     "Status",
     "Strand",
     "StrandKind",
@@ -120,4 +125,5 @@ __all__ = [
     "Unavailable",
     "Volume",
     "frame_along",
+    "load_style",
 ]
