@@ -100,7 +100,7 @@ TYPED_TEST(BendBatchTest, NoNodeIsInsideAndSegmentsKeepTheirLength) {
   using T = TypeParam;
   this->ForEveryIsa([&](const KernelTable<T>& kernels) {
     Random random(3);
-    for (int trial = 0; trial < 150; ++trial) {
+    for (int trial = 0; trial < 300; ++trial) {
       const Hull hull = random.AnyHull(), lifted = Lifted(hull, TestFixture::kEpsilon);
       const int k = trial % 3 == 0 ? 7 : trial % 3 == 1 ? 20 : 120;
       const double length = random.LogUniform(0.01, 10) * hull.radii.maxCoeff();
@@ -114,6 +114,9 @@ TYPED_TEST(BendBatchTest, NoNodeIsInsideAndSegmentsKeepTheirLength) {
       auto hairs = AnyHairs(random, lifted, 48, length, k);
       for (size_t h = 0; h < hairs.size(); h += 3) hairs[h].direction = random.Direction();
       for (size_t h = 1; h < hairs.size(); h += 6) hairs[h].direction = -hairs[h].direction;
+      for (size_t h = 2; h < hairs.size(); h += 7) {  // As soft as hair can be.
+        hairs[h].softness = SoftnessOf(1, hairs[h].segment_length, 1e-15, k);
+      }
       const auto bent = BendAll(kernels, batch, hull, hairs);
       const double far = hull.center.cwiseAbs().maxCoeff() + hull.radii.maxCoeff() + length;
       for (size_t h = 0; h < bent.size(); ++h) {

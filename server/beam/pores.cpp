@@ -17,12 +17,6 @@ using std::numbers::pi;
 constexpr int kSteps = 1024;  // Of an integral over a region.
 constexpr double kGolden = std::numbers::phi - 1;
 
-// Azimuths that a region takes [rad].
-double Azimuths(const PoreRegion& region) {
-  const double width = region.to_azimuth - region.from_azimuth;
-  return width < 0 ? width + 2 * pi : width;
-}
-
 // From the beginning of a region, through the nape where need be.
 double AzimuthAt(const PoreRegion& region, double beyond) {
   const double azimuth = region.from_azimuth + beyond;
@@ -52,6 +46,11 @@ double Inverse(const std::vector<double>& integral, double value) {
 
 }  // namespace
 
+double AzimuthsOf(const PoreRegion& region) {
+  const double width = region.to_azimuth - region.from_azimuth;
+  return region.from_azimuth > region.to_azimuth ? width + 2 * pi : width;
+}
+
 bool Contains(const PoreRegion& region, const Polar& pore) {
   if (pore.zenith < region.least_zenith || pore.zenith > region.greatest_zenith) return false;
   const bool after = pore.azimuth >= region.from_azimuth,
@@ -64,7 +63,7 @@ uint64_t StreamOf(int part, int hair, Purpose purpose) {
 }
 
 Pores::Pores(const Hull& hull, const Part& part, uint64_t seed, int index)
-    : hull_(hull), part_(part), seed_(seed), index_(index), azimuths_(Azimuths(part.pores)) {
+    : hull_(hull), part_(part), seed_(seed), index_(index), azimuths_(AzimuthsOf(part.pores)) {
   if (part_.spread == Part::Spread::kUniform && !part_.tied_at) LayRows();
 }
 

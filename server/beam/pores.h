@@ -10,6 +10,9 @@
 
 namespace mane::beam {
 
+/// How many azimuths a region takes [rad].
+[[nodiscard]] double AzimuthsOf(const PoreRegion& region);
+
 [[nodiscard]] bool Contains(const PoreRegion& region, const Polar& pore);
 
 /// Where a hair begins.

@@ -39,6 +39,7 @@ TEST(PoresTest, LieOnTheHullInTheRegion) {
         for (int i = 0; i < count; ++i) {
           const Pore pore = pores.At(i);
           EXPECT_NEAR(kHead.At(pore.root), 0, 1e-13);
+          EXPECT_LE(std::abs(pore.polar.azimuth), pi);
           EXPECT_TRUE(Contains(region, pore.polar))
               << pore.polar.zenith << " " << pore.polar.azimuth;
           EXPECT_NEAR(pore.direction.norm(), 1, 1e-14);
@@ -134,6 +135,10 @@ TEST(PoresTest, OfEvenSpreadAreAtLikeDistances) {
   std::ranges::sort(nearest);
   EXPECT_GT(nearest.front(), 0.6);
   EXPECT_LT(nearest.back(), 1.25);
+  // No line of first pores runs down the region's edge.
+  int first = 0;
+  for (int i = 0; i < count; ++i) first += pores.At(i).polar.azimuth < -2 + 1e-9 ? 1 : 0;
+  EXPECT_LE(first, 1);
 }
 
 TEST(PoresTest, DependOnSeedPartAndHairAlone) {

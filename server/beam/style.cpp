@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 #include <memory>
+#include <utility>
 
 #include "beam/bend.h"
 #include "beam/bend_batch.h"
@@ -30,6 +31,7 @@ struct NamedCut {
 // A part, ready to be styled.
 struct Plan {
   const Part* part;
+  int index;
   Pores pores;
   std::vector<const Force*> forces;  // Of the style, then its own.
   std::vector<NamedCut> cuts;        // Likewise.
@@ -59,17 +61,19 @@ int BlocksOf(int hairs) { return (hairs + kLanes - 1) / kLanes; }
 class Styler {
  public:
   Styler(const BeamStyle& style, const Hull& hull, const std::string& field)
-      : style_(style), hull_(hull), lifted_(Lifted(hull, std::numeric_limits<float>::epsilon())) {
+      : style_(style),
+        hull_(hull),
+        lifted_(Lifted(hull, std::numeric_limits<float>::epsilon())),
+        prefix_(field.empty() ? field : field + ".") {
     size_t nodes = 0;
     for (size_t i = 0; i < style.parts.size(); ++i) {
       const Part& part = style.parts[i];
-      Plan plan{&part,   Pores(lifted_, part, style.seed, static_cast<int>(i)),
-                {},      {},
-                nullptr, hairs_,
+      const int index = static_cast<int>(i);
+      Plan plan{&part,   index, Pores(lifted_, part, style.seed, index), {}, {}, nullptr, hairs_,
                 blocks_, nodes};
       AddForces(&plan);
-      AddCuts(style.cuts, field, &plan);
-      AddCuts(part.cuts, fmt::format("{}.parts[{}]", field, i), &plan);
+      AddCuts(style.cuts, prefix_, &plan);
+      AddCuts(part.cuts, fmt::format("{}parts[{}].", prefix_, i), &plan);
       plans_.emplace_back(std::move(plan));
       hairs_ += part.count;
       blocks_ += BlocksOf(part.count);
@@ -95,13 +99,13 @@ class Styler {
   }
 
   // What does not fit the head.
-  [[nodiscard]] Result<void> Check(const std::string& field) const {
+  [[nodiscard]] Result<void> Check() const {
     for (size_t i = 0; i < plans_.size(); ++i) {
       const Plan& plan = plans_[i];
       const auto first = styled_.sunk.begin() + plan.first_hair;
       if (std::find(first, first + plan.part->count, 1) == first + plan.part->count) continue;
       const Vector3d& at = *plan.part->tied_at;
-      const std::string path = fmt::format("{}.parts[{}].tied_at", field, i);
+      const std::string path = fmt::format("{}parts[{}].tied_at", prefix_, i);
       return InvalidArgument(
           path,
           fmt::format("{} is ({}, {}, {}) m; the disc of radius {} m about it must lie outside "
@@ -160,9 +164,9 @@ class Styler {
         std::make_unique<BendBatch<float>>(TurnWeights(plan->part->segments), field, lifted_);
   }
 
-  static void AddCuts(const std::vector<Cut>& cuts, const std::string& field, Plan* plan) {
+  static void AddCuts(const std::vector<Cut>& cuts, const std::string& prefix, Plan* plan) {
     for (size_t c = 0; c < cuts.size(); ++c) {
-      plan->cuts.emplace_back(NamedCut{&cuts[c], fmt::format("{}.cuts[{}]", field, c)});
+      plan->cuts.emplace_back(NamedCut{&cuts[c], fmt::format("{}cuts[{}]", prefix, c)});
     }
   }
 
@@ -174,8 +178,7 @@ class Styler {
   // A hair of a part, and what of it is known before it is bent.
   BendHair Begin(const Plan& plan, int hair) {
     const Part& part = *plan.part;
-    math::RandomStream random(
-        style_.seed, StreamOf(static_cast<int>(&plan - plans_.data()), hair, Purpose::kHair));
+    math::RandomStream random(style_.seed, StreamOf(plan.index, hair, Purpose::kHair));
     const auto fluctuating = [&](double value, double fluctuation) {
       return value * (1 + random.Uniform(-fluctuation, fluctuation));
     };
@@ -260,6 +263,7 @@ class Styler {
   const BeamStyle& style_;
   const Hull hull_;
   const Hull lifted_;
+  const std::string prefix_;  // Of fields.
   std::vector<Plan> plans_;
   int hairs_ = 0;
   int blocks_ = 0;
@@ -272,7 +276,7 @@ Result<StyledHairs> ApplyBeamStyle(const BeamStyle& style, const Hull& hull,
                                    const std::string& field, const Loop& loop) {
   Styler styler(style, hull, field);
   styler.Run(loop);
-  if (const auto ok = styler.Check(field); !ok) return ok.error();
+  if (const auto ok = styler.Check(); !ok) return ok.error();
   return std::move(styler).Take();
 }
 

@@ -15,7 +15,7 @@
 namespace mane::beam {
 
 /// Where hair grows, or which hair is meant, by polar coordinates of its pore on the hull. The ends
-/// belong to it.
+/// belong to it; from one to the other there is 1e-6 rad at least.
 struct PoreRegion {
   double least_zenith = 0;                    ///< [rad], in [0, pi], below `greatest_zenith`.
   double greatest_zenith = std::numbers::pi;  ///< [rad]

@@ -217,6 +217,8 @@ TEST(BeamStyleTest, CutsByPoreLeaveTheLengthOfTheirHeight) {
     exact += length > wanted - 1e-5 ? 1 : 0;
   }
   EXPECT_GT(exact, styled.count() / 3);
+  EXPECT_LT(exact, styled.count());  // Some would have ended inside.
+  for (const Vector3f& node : styled.nodes) EXPECT_GE(kHead.At(node.cast<double>()), 0);
 }
 
 void ExpectRefused(const BeamStyle& style, const std::string& field) {

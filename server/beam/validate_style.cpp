@@ -1,7 +1,10 @@
 #include <fmt/format.h>
 
-#include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
 
+#include "beam/pores.h"
 #include "beam/style.h"
 
 namespace mane::beam {
@@ -19,6 +22,7 @@ constexpr int64_t kMostHairs = 200'000;
 constexpr int64_t kMostNodes = 10'000'000;
 constexpr double kFarthest = 100;      // Of a coordinate [m].
 constexpr double kLargestForce = 1e4;  // [m/s^2]
+constexpr double kNarrowest = 1e-6;    // Of a region [rad].
 constexpr double kLongest = 5;         // [m]
 
 // The first thing that is wrong below a field; later ones are not looked at.
@@ -78,13 +82,15 @@ void Check(Checker* check, const PoreRegion& region) {
     check->Number("zenith.high", region.greatest_zenith, 0, pi, "rad");
     check->Number("azimuth.low", region.from_azimuth, -pi, pi, "rad");
     check->Number("azimuth.high", region.to_azimuth, -pi, pi, "rad");
-    if (region.least_zenith >= region.greatest_zenith) {
-      check->Fail("zenith.low", fmt::format("is {} rad; it must be below zenith.high, {} rad",
-                                            region.least_zenith, region.greatest_zenith));
+    if (!(region.greatest_zenith - region.least_zenith >= kNarrowest)) {
+      check->Fail("zenith.low",
+                  fmt::format("is {} rad; it must be below zenith.high, {} rad, by {} at least",
+                              region.least_zenith, region.greatest_zenith, kNarrowest));
     }
-    if (region.from_azimuth == region.to_azimuth) {
+    if (!(AzimuthsOf(region) >= kNarrowest)) {
       check->Fail("azimuth.low",
-                  fmt::format("is {} rad; it must differ from azimuth.high", region.from_azimuth));
+                  fmt::format("is {} rad; from it to azimuth.high, {} rad, must be {} at least",
+                              region.from_azimuth, region.to_azimuth, kNarrowest));
     }
   });
 }

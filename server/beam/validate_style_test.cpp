@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@
 namespace mane::beam {
 namespace {
 
+constexpr double kPi = std::numbers::pi;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -76,6 +78,10 @@ TEST(ValidateBeamStyleTest, NamesWhatIsWrong) {
       {"parts[0].pores.azimuth.low",
        [](auto& s) {
          s.parts[0].pores = {0, 1, 2, 2};
+       }},
+      {"parts[0].pores.azimuth.low",
+       [](auto& s) {
+         s.parts[0].pores = {0, 1, kPi, -kPi};
        }},
       {"parts[0].pores.azimuth.high", [](auto& s) { s.parts[0].pores.to_azimuth = kNan; }},
       {"forces", [](auto& s) { s.forces.resize(17); }},
