@@ -91,9 +91,9 @@ BeamPreset Bob() {
 BeamPreset DroopingBangs() {
   BeamPreset out{"drooping_bangs", "A bob of uneven ends, whose bangs droop to the eyes.", {}};
   out.style.parts = Sides(0.25, 0.25);
-  Part bangs = PartOf("bangs", Region(20, 62, -50, 50), 3500, 0.14);
+  Part bangs = PartOf("bangs", Region(28, 62, -50, 50), 3500, 0.13);
   bangs.length_fluctuation = 0.3;
-  bangs.rigidity = 1e-8;
+  bangs.rigidity = 4e-9;
   bangs.forces = {Toward({0.35, -0.3, 1}, kComb / 2)};
   out.style.parts.emplace_back(bangs);
   return out;
@@ -129,9 +129,9 @@ Vector3d PointUnder(const Vector3d& point) {
 
 BeamPreset Ponytail() {
   BeamPreset out{"ponytail", "Drawn to the back of the head and tied there.", {}};
-  const Vector3d tie(0, 0.05, -0.1);
+  const Vector3d tie(0, 0.05, -0.094);
   Part front = PartOf("front", Region(0, 62, -75, 75), 6000, 0.26);
-  Part back = PartOf("back", Region(0, 100, 75, -75), 9000, 0.22);
+  Part back = PartOf("back", Region(0, 118, 75, -75), 9000, 0.22);
   // Ends where it reaches the ribbon: at a plane that cuts a cap from the hull there.
   const Vector3d under = PointUnder(tie), outward = PresetHull().Gradient(under).normalized();
   Cut ribbon;
@@ -158,7 +158,7 @@ BeamPreset ShortCut() {
                      PartOf("back", Region(0, 110, 75, -75), 12'000, 0.12)};
   for (Part& part : out.style.parts) part.rigidity = 2e-9;
   out.style.parts[0].forces = {Toward({0, -0.5, 1}, kComb / 2)};
-  out.style.parts[1].forces = {Toward({0, -1, 0}, kComb)};
+  out.style.parts[1].forces = {Toward({0, -1, -0.5}, kComb)};
   Cut by_pore;
   by_pore.by_pore = Cut::ByPore{-0.04, 0.015, 0.11, 0.11};
   out.style.cuts = {by_pore, Below(0.02, Region(0, 62, -75, 75))};
