@@ -237,8 +237,8 @@ class Style(StyleDocument):
 
 def _stops(field: str, stops: Iterable[tuple[float, float]]) -> list[style_pb2.Stop]:
     pairs = list(stops)
-    array = array(field, pairs, (-1, 2)) if pairs else ()
-    return [style_pb2.Stop(at=at, value=value) for at, value in array]
+    numbers = array(field, pairs, (-1, 2)) if pairs else ()
+    return [style_pb2.Stop(at=at, value=value) for at, value in numbers]
 
 
 def _path(path: ArrayLike) -> list:
