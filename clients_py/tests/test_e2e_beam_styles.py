@@ -1,4 +1,4 @@
-"""Hairstyles by beams on a real daemon: hair as arrays, the groom it becomes, errors, the command."""
+"""Hairstyles by beams on a real daemon: hair as arrays, their groom, errors, the command."""
 
 from __future__ import annotations
 

@@ -1,5 +1,7 @@
 #include "contact/closest_triangles.h"
 
+#include <embree3/rtcore.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -1,5 +1,7 @@
 #include "contact/embree_scene.h"
 
+#include <embree3/rtcore.h>
+
 #include <algorithm>
 
 #include "base/check.h"

@@ -1,8 +1,11 @@
 #pragma once
 
-#include <embree3/rtcore.h>
+#include <vector>
 
 #include "contact/mesh.h"
+
+struct RTCDeviceTy;  // Embree's.
+struct RTCSceneTy;
 
 namespace mane::contact {
 
@@ -15,13 +18,13 @@ class EmbreeScene {
   EmbreeScene(const EmbreeScene&) = delete;
   EmbreeScene& operator=(const EmbreeScene&) = delete;
 
-  [[nodiscard]] RTCScene scene() const { return scene_; }
+  [[nodiscard]] RTCSceneTy* scene() const { return scene_; }
   [[nodiscard]] double reach() const { return reach_; }  ///< Largest coordinate [m].
 
  private:
   double reach_ = 0;
-  RTCDevice device_;
-  RTCScene scene_;
+  RTCDeviceTy* device_;
+  RTCSceneTy* scene_;
 };
 
 }  // namespace mane::contact

@@ -1,5 +1,7 @@
 #include "contact/first_hit.h"
 
+#include <embree3/rtcore.h>
+
 #include "base/check.h"
 #include "contact/embree_scene.h"
 

@@ -9,7 +9,7 @@
 
 #include "rpc/convert_beam_style.h"
 #include "rpc/style_presets.h"
-#include "rpc/styling_fixture.h"
+#include "rpc/test_styling.h"
 #include "styling/beam_hairstyle.h"
 
 namespace mane::rpc {

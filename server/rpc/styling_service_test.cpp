@@ -10,7 +10,7 @@
 #include "mane/v1/style.grpc.pb.h"
 #include "rpc/convert_style.h"
 #include "rpc/style_presets.h"
-#include "rpc/styling_fixture.h"
+#include "rpc/test_styling.h"
 #include "styling/png_image.h"
 #include "styling/stylist.h"
 

@@ -116,7 +116,8 @@ class BeamStyle(StyleDocument):
         """With so many hairs in all, shared among the parts as they are now, at least one each."""
         if not self.message.parts or count < len(self.message.parts):
             raise InvalidArgument.of(
-                "count", f"is {count}, must be at least 1 for each of {len(self.message.parts)} parts"
+                "count",
+                f"is {count}, must be at least 1 for each of {len(self.message.parts)} parts",
             )
         now = [part.hair_count if part.HasField("hair_count") else 10_000
                for part in self.message.parts]  # fmt: skip

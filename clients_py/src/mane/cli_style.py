@@ -81,8 +81,8 @@ def show(
 
     The document says only what differs from the API's defaults. `proto/mane/v1/style.proto`
     describes every field; that of a style by beams, all of whose document is its field
-    `beam_style`, `proto/mane/v1/beam_style.proto`. A field that there is not is refused by name when
-    the style is applied.
+    `beam_style`, `proto/mane/v1/beam_style.proto`. A field that there is not is refused by name
+    when the style is applied.
     """
     style = _preset(context.obj, name)
     if output is None:
@@ -147,8 +147,8 @@ def apply(
 
     Master strands, one a wisp, grow from the scalp, fall, make room for each other, and go where
     constraints lead them; members fill every wisp around its master. The masters become the groom's
-    guides, which `mane animate` moves, the members its hairs. Styles by beams bend every hair of its
-    own instead, around an ellipsoid that stands for the head; some hairs become guides.
+    guides, which `mane animate` moves, the members its hairs. A style by beams bends every hair on
+    its own instead, around an ellipsoid that stands for the head; some hairs become guides.
 
     Examples:
 

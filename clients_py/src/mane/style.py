@@ -68,7 +68,8 @@ class Region:
                 low, high = array(f"{field}.{name}", getattr(self, name), (2,))
                 getattr(message, name).CopyFrom(style_pb2.ScalpRegion.Interval(low=low, high=high))
         for index, each in enumerate(self.half_spaces):
-            message.half_spaces.append(half_space(f"{field}.half_spaces[{index}]", each, _HALF_SPACE))
+            path = f"{field}.half_spaces[{index}]"
+            message.half_spaces.append(half_space(path, each, _HALF_SPACE))
         if self.mask is not None:
             message.mask_png = grey_png.of(self.mask, f"{field}.mask")
         try:
