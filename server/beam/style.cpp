@@ -81,7 +81,7 @@ class Styler {
     }
     styled_.nodes.resize(nodes);
     styled_.pores.resize(hairs_);
-    styled_.kept.resize(hairs_);
+    styled_.kept.resize(hairs_, 2);  // Of hair that the loop leaves out, as if it were there.
     styled_.cut_by.resize(hairs_);
     styled_.sunk.resize(hairs_);
     styled_.ambient.resize(hairs_);

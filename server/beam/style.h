@@ -109,7 +109,8 @@ struct StyledHairs {
   [[nodiscard]] int count() const { return static_cast<int>(first_node.size()) - 1; }
 };
 
-/// Runs `work` on pieces [first, last) of [0, count), at once or one after the other.
+/// Runs `work` on pieces [first, last) of [0, count), at once or one after the other. Where the
+/// outcome is not wanted any more it may leave pieces out; what comes of that is of no use.
 using Loop = std::function<void(int count, const std::function<void(int first, int last)>& work)>;
 
 /// INVALID_ARGUMENT naming a part of `field`, as mane.v1.BeamStyle has it, for what is out of range

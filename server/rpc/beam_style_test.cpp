@@ -3,11 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <string>
 #include <vector>
 
+#include "beam/presets.h"
 #include "rpc/convert_beam_style.h"
+#include "rpc/style_admission.h"
 #include "rpc/style_presets.h"
 #include "rpc/test_styling.h"
 #include "styling/beam_hairstyle.h"
@@ -134,6 +137,29 @@ TEST_F(BeamStyleTest, WhatIsWrongIsNamed) {
             "header.beam_style.guide_count");
 }
 
+TEST(BeamStyleAdmission, WhatAGroomMayNotHoldIsNamed) {
+  BeamDocument document;
+  document.style.parts.resize(2);
+  document.style.parts[0].count = 100;
+  document.style.parts[1].count = 50;
+  document.guide_count = 20;
+  groom::ImportOptions guides;
+  guides.hair_type = groom::HairType::kCaucasianWavy;
+  const auto field = [&](auto groom::Limits::*limit, auto least) {
+    groom::Limits limits;
+    limits.*limit = least;
+    EXPECT_TRUE(AdmitBeamStyle(document, guides, limits));
+    limits.*limit = least - 1;
+    const auto refused = AdmitBeamStyle(document, guides, limits);
+    EXPECT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::kResourceExhausted);
+    return refused.error().field;
+  };
+  EXPECT_EQ(field(&groom::Limits::max_hairs, 150), "header.beam_style.parts");
+  EXPECT_EQ(field(&groom::Limits::max_hair_points, 150 * 22), "header.beam_style.parts");
+  EXPECT_EQ(field(&groom::Limits::max_guides, 20), "header.beam_style.guide_count");
+}
+
 // What shows only when the style is applied fails the job, which says so.
 TEST_F(BeamStyleTest, WhatDoesNotFitTheHeadFailsTheJob) {
   auto header = SmallHeader();
@@ -171,6 +197,45 @@ TEST(BeamPresetsTest, EveryPresetComesOut) {
     }
   }
   EXPECT_EQ(presets, 5);
+}
+
+// Planes go along with the head.
+TEST(BeamPresetsTest, HairIsSweptBackAsFarAsTheSamePlaces) {
+  const auto& presets = StylePresets().presets();
+  const auto moved = std::ranges::find(presets, "beam-swept-back", &v1::StylePreset::name);
+  const auto own = beam::BeamPresets();
+  const auto before = std::ranges::find(own, "swept_back", &beam::BeamPreset::name);
+  ASSERT_TRUE(moved != presets.end() && before != own.end());
+  const beam::Hull from = beam::PresetHull();
+  const auto& forces = before->style.parts[0].forces;
+  for (int i = 0; i < static_cast<int>(forces.size()); ++i) {
+    const double z = forces[i].where.at(0).offset;
+    const auto& plane = moved->beam_style().parts(0).forces(i).where(0);
+    EXPECT_EQ(plane.normal().z(), 1);
+    EXPECT_NEAR(plane.offset_m(), (z - from.center.z()) / from.radii.z() * 0.117 + 0.025, 1e-4);
+  }
+}
+
+// Cuts of the ponytail's moved preset meet where its hair is tied.
+TEST(BeamPresetsTest, HairOfThePonytailEndsAtItsTie) {
+  const auto& presets = StylePresets().presets();
+  const auto tail = std::ranges::find(presets, "beam-ponytail", &v1::StylePreset::name);
+  ASSERT_NE(tail, presets.end());
+  auto document = *ToBeamStyle(tail->beam_style(), "style");
+  const Eigen::Vector3d tie = *document.style.parts.back().tied_at;
+  const beam::Hull hull{{0, 0.055, 0.025}, {0.092, 0.113, 0.117}};
+  EXPECT_GT(hull.At(tie), 0);
+  EXPECT_LT(hull.At(tie), 0.15);
+  document.style.parts.pop_back();
+  const auto loop = [](int count, const auto& work) { work(0, count); };
+  const auto hairs = beam::ApplyBeamStyle(document.style, hull, "style", loop);
+  ASSERT_TRUE(hairs);
+  int at_tie = 0;
+  for (int hair = 0; hair < hairs->count(); ++hair) {
+    const Eigen::Vector3d tip = hairs->nodes[hairs->first_node[hair + 1] - 1].cast<double>();
+    at_tie += (tip - tie).norm() < 0.04 ? 1 : 0;
+  }
+  EXPECT_GT(at_tie, 0.6 * hairs->count());
 }
 
 }  // namespace

@@ -84,7 +84,8 @@ TEST(BeamHull, OfAMeshEnclosesTheHeadAndNotTheShoulders) {
   const auto alone = HullOf(mesh);
   ASSERT_TRUE(alone);
   EXPECT_LT((alone->radii - Vector3d::Constant(kDomeRadius)).norm(), 1e-4);
-  // Shoulders lie below; a hand is held up at the side.
+  // Jaw and shoulders lie below the middle; a hand is held up at the side.
+  mesh.vertices.emplace_back(0.0F, 0.12F, 0.09F);
   mesh.vertices.emplace_back(0.0F, -0.3F, 0.0F);
   mesh.vertices.emplace_back(0.4F, 0.2F, 0.0F);
   const auto whole = HullOf(mesh);
@@ -172,6 +173,17 @@ TEST(BeamHairstyle, BeginsOnTheSkinOfAMesh) {
   EXPECT_GT(deep, 100);
 }
 
+TEST(BeamHairstyle, BeginsAMillimetreBelowThePoreWhereTheHullTouches) {
+  beam::BeamStyle style = TwoParts();
+  style.parts.pop_back();
+  const BeamHairstyle made = Make(Dome(kCenter, 2.5, 80), 2, style);
+  for (int i = 0; i < made.members.strands(); ++i) {
+    const auto hair = made.members.strand(i);
+    EXPECT_GT((hair[1] - hair[0]).norm(), 0.99e-3F);
+    EXPECT_LT((hair[1] - hair[0]).norm(), 1.2e-3F);
+  }
+}
+
 TEST(BeamHairstyle, IsTheSameForAnyNumberOfWorkers) {
   const groom::TriangleMesh mesh = Dome(kCenter, 2, 15);
   const BeamHairstyle one = Make(mesh, 1), two = Make(mesh, 2);
@@ -182,10 +194,13 @@ TEST(BeamHairstyle, IsTheSameForAnyNumberOfWorkers) {
 
 TEST(BeamHairstyle, StopsWhenNobodyWaits) {
   exec::WorkerPool pool(1);
-  const auto made =
-      MakeBeamHairstyle(TwoParts(), kGuides, Ball(), "style", pool, [] { return true; });
-  ASSERT_FALSE(made);
-  EXPECT_EQ(made.error().code, ErrorCode::kCancelled);
+  beam::BeamStyle style = TwoParts();
+  for (const bool is_cut : {true, false}) {
+    if (!is_cut) style.parts[0].cuts.clear();
+    const auto made = MakeBeamHairstyle(style, kGuides, Ball(), "style", pool, [] { return true; });
+    ASSERT_FALSE(made);
+    EXPECT_EQ(made.error().code, ErrorCode::kCancelled);
+  }
 }
 
 // Whatever the fit of the guides: hairs at rest on them are where they were bent to.
@@ -218,6 +233,9 @@ TEST(BeamHairstyle, HairsOfTheGroomLieWhereTheyWereBentTo) {
                          static_cast<float>(hairs.offset_unit), out);
       for (size_t k = 0; k < out.size(); ++k) {
         EXPECT_LT((out[k] - bent[k]).norm(), std::sqrt(0.75) * hairs.offset_unit + 5e-7);
+        // Node k where node k of the guide is; those of the tail are uncut.
+        if (bent.size() != 16) continue;
+        EXPECT_NEAR(hairs.places_of(hair)[k].part, 65535.0 * static_cast<double>(k) / 15, 2);
       }
     }
   }

@@ -63,5 +63,10 @@ TEST(FarthestPointCells, AreAsManyAsPointsDiffer) {
   EXPECT_EQ(FarthestPointCells(points, 1), std::vector<uint32_t>(6, 0));
 }
 
+TEST(FarthestPointCells, OfEquallyNearOnesTheFirst) {
+  const std::vector<Eigen::Vector3f> points{{0, 0, 0}, {0.5F, 0, 0}, {1, 0, 0}};
+  EXPECT_EQ(FarthestPointCells(points, 2), (std::vector<uint32_t>{0, 0, 1}));
+}
+
 }  // namespace
 }  // namespace mane::styling
