@@ -19,7 +19,7 @@ struct BeamPreset {
 [[nodiscard]] Hull PresetHull();
 
 /// Five styles after [AUK92] Figures 3 and 6, of some 20,000 hairs each: "bob", "drooping_bangs",
-/// "swept_back", "ponytail", "short_cut".
+/// "swept_back", "ponytail", "short".
 [[nodiscard]] std::vector<BeamPreset> BeamPresets();
 
 }  // namespace mane::beam

@@ -81,7 +81,7 @@ class Styler {
     }
     styled_.nodes.resize(nodes);
     styled_.pores.resize(hairs_);
-    styled_.kept.resize(hairs_);
+    styled_.kept.resize(hairs_, 2);  // Of hair that the loop leaves out, as if it were there.
     styled_.cut_by.resize(hairs_);
     styled_.sunk.resize(hairs_);
     styled_.ambient.resize(hairs_);
@@ -105,10 +105,12 @@ class Styler {
       const auto first = styled_.sunk.begin() + plan.first_hair;
       if (std::find(first, first + plan.part->count, 1) == first + plan.part->count) continue;
       const Vector3d& at = *plan.part->tied_at;
+      const std::string path = fmt::format("{}parts[{}].tied_at", prefix_, i);
       return InvalidArgument(
-          fmt::format("{}parts[{}].tied_at", prefix_, i),
-          fmt::format("the disc of radius {} m about ({}, {}, {}) must lie outside the hull",
-                      plan.part->tied_radius, at.x(), at.y(), at.z()));
+          path,
+          fmt::format("{} is ({}, {}, {}) m; the disc of radius {} m about it must lie outside "
+                      "the hull",
+                      path, at.x(), at.y(), at.z(), plan.part->tied_radius));
     }
     for (size_t c = 0; c < style_.cuts.size(); ++c) {
       if (const auto ok = CheckRegion(plans_, c); !ok) return ok;
@@ -229,7 +231,8 @@ class Styler {
   }
 
   [[nodiscard]] Error NothingLeft(const Plan& plan) const {
-    return InvalidArgument(plan.cuts[LastCut(plan)].field, "no hair is left by it");
+    const std::string& path = plan.cuts[LastCut(plan)].field;
+    return InvalidArgument(path, fmt::format("{} leaves no hair", path));
   }
 
   // Whether cut `c` of these parts' is about any of their hairs.
@@ -242,7 +245,8 @@ class Styler {
         return {};
       }
     }
-    return InvalidArgument(plans.front().cuts[c].field + ".pores", "no hair grows in this region");
+    const std::string path = plans.front().cuts[c].field + ".pores";
+    return InvalidArgument(path, fmt::format("{} is a region where no hair grows", path));
   }
 
   [[nodiscard]] bool IsLeft(const Plan& plan) const {

@@ -109,10 +109,12 @@ struct StyledHairs {
   [[nodiscard]] int count() const { return static_cast<int>(first_node.size()) - 1; }
 };
 
-/// Runs `work` on pieces [first, last) of [0, count), at once or one after the other.
+/// Runs `work` on pieces [first, last) of [0, count), at once or one after the other. Where the
+/// outcome is not wanted any more it may leave pieces out; what comes of that is of no use.
 using Loop = std::function<void(int count, const std::function<void(int first, int last)>& work)>;
 
-/// INVALID_ARGUMENT naming a part of `field` for what is out of range whatever the head.
+/// INVALID_ARGUMENT naming a part of `field`, as mane.v1.BeamStyle has it, for what is out of range
+/// whatever the head.
 [[nodiscard]] Result<void> ValidateBeamStyle(const BeamStyle& style, const std::string& field);
 
 /// Styles a head: pores, bending (B3 to B6), cuts. The same bits for the same arguments, whatever

@@ -221,6 +221,20 @@ TEST(BeamStyleTest, CutsByPoreLeaveTheLengthOfTheirHeight) {
   for (const Vector3f& node : styled.nodes) EXPECT_GE(kHead.At(node.cast<double>()), 0);
 }
 
+TEST(BeamStyleTest, StopsWithWhateverItHasWhereWorkIsLeftOut) {
+  BeamStyle style = AnyStyle();
+  style.cuts.clear();
+  for (Part& part : style.parts) part.cuts.clear();
+  for (const int share : {0, 2}) {
+    const Loop some = [share](int count, const auto& work) { work(0, count * share / 3); };
+    const auto styled = ApplyBeamStyle(style, kHead, "style", some);
+    ASSERT_TRUE(styled);
+    int hairs = 0;
+    for (const Part& part : style.parts) hairs += part.count;
+    EXPECT_EQ(styled->count(), hairs);
+  }
+}
+
 void ExpectRefused(const BeamStyle& style, const std::string& field) {
   ASSERT_TRUE(ValidateBeamStyle(style, "style"));
   const auto styled = ApplyBeamStyle(style, kHead, "style", Pieces(100));

@@ -52,11 +52,12 @@ class Checker {
   void Number(const char* name, double value, double least, double greatest, const char* unit) {
     if (value >= least && value <= greatest) return;
     const char* space = *unit == 0 ? "" : " ";
-    Fail(name, fmt::format("{}{}{} must lie in [{}, {}]", value, space, unit, least, greatest));
+    Fail(name,
+         fmt::format("is {}{}{}; it must be in [{}, {}]", value, space, unit, least, greatest));
   }
   void Vector(const char* name, const Vector3d& value, double greatest, const char* unit) {
     if (value.cwiseAbs().maxCoeff() <= greatest && value.allFinite()) return;
-    Fail(name, fmt::format("({}, {}, {}) {} must have coordinates in [{}, {}]", value.x(),
+    Fail(name, fmt::format("is ({}, {}, {}) {}; its components must be in [{}, {}]", value.x(),
                            value.y(), value.z(), unit, -greatest, greatest));
   }
   // Of a length that a direction can be told from.
@@ -65,7 +66,7 @@ class Checker {
   }
   void Fail(const char* name, const std::string& message) {
     if (error_) return;
-    Below(name, [&] { error_ = InvalidArgument(field_, message); });
+    Below(name, [&] { error_ = InvalidArgument(field_, fmt::format("{} {}", field_, message)); });
   }
 
   [[nodiscard]] Result<void> Outcome() const { return error_ ? *error_ : Result<void>(); }
@@ -77,18 +78,18 @@ class Checker {
 
 void Check(Checker* check, const PoreRegion& region) {
   check->Below("pores", [&] {
-    check->Number("least_zenith", region.least_zenith, 0, pi, "rad");
-    check->Number("greatest_zenith", region.greatest_zenith, 0, pi, "rad");
-    check->Number("from_azimuth", region.from_azimuth, -pi, pi, "rad");
-    check->Number("to_azimuth", region.to_azimuth, -pi, pi, "rad");
+    check->Number("zenith.low", region.least_zenith, 0, pi, "rad");
+    check->Number("zenith.high", region.greatest_zenith, 0, pi, "rad");
+    check->Number("azimuth.low", region.from_azimuth, -pi, pi, "rad");
+    check->Number("azimuth.high", region.to_azimuth, -pi, pi, "rad");
     if (!(region.greatest_zenith - region.least_zenith >= kNarrowest)) {
-      check->Fail("least_zenith",
-                  fmt::format("{} rad must be below greatest_zenith, {} rad, by {} at least",
+      check->Fail("zenith.low",
+                  fmt::format("is {} rad; it must be below zenith.high, {} rad, by {} at least",
                               region.least_zenith, region.greatest_zenith, kNarrowest));
     }
     if (!(AzimuthsOf(region) >= kNarrowest)) {
-      check->Fail("from_azimuth",
-                  fmt::format("from {} rad to to_azimuth, {} rad, must be {} at least",
+      check->Fail("azimuth.low",
+                  fmt::format("is {} rad; from it to azimuth.high, {} rad, must be {} at least",
                               region.from_azimuth, region.to_azimuth, kNarrowest));
     }
   });
@@ -96,7 +97,7 @@ void Check(Checker* check, const PoreRegion& region) {
 
 void Check(Checker* check, const HalfSpace& half) {
   check->Direction("normal", half.normal);
-  check->Number("offset", half.offset, -kFarthest * 1e6, kFarthest * 1e6, "m");
+  check->Number("offset_m", half.offset, -kFarthest * 1e6, kFarthest * 1e6, "m");
 }
 
 void Check(Checker* check, const char* name, const std::vector<HalfSpace>& halves) {
@@ -106,11 +107,11 @@ void Check(Checker* check, const char* name, const std::vector<HalfSpace>& halve
 void Check(Checker* check, const std::vector<Force>& forces) {
   check->Each("forces", forces, 0, kMostForces, [&](const Force& force) {
     if (force.kind == Force::Kind::kUniform) {
-      check->Vector("vector", force.vector, kLargestForce, "m/s^2");
+      check->Vector("acceleration", force.vector, kLargestForce, "m/s^2");
     } else {
       check->Vector("point", force.point, kFarthest, "m");
-      check->Number("strength", force.strength, 0, kLargestForce, "m/s^2");
-      check->Number("softening", force.softening, 1e-6, kFarthest, "m");
+      check->Number("strength_m_s2", force.strength, 0, kLargestForce, "m/s^2");
+      check->Number("softening_m", force.softening, 1e-6, kFarthest, "m");
     }
     Check(check, "where", force.where);
     Check(check, force.pores);
@@ -119,13 +120,13 @@ void Check(Checker* check, const std::vector<Force>& forces) {
 
 void Check(Checker* check, const Cut::ByPore& by_pore) {
   check->Below("by_pore", [&] {
-    check->Number("low_y", by_pore.low_y, -kFarthest, kFarthest, "m");
-    check->Number("high_y", by_pore.high_y, -kFarthest, kFarthest, "m");
-    check->Number("low_length", by_pore.low_length, 0, kLongest, "m");
-    check->Number("high_length", by_pore.high_length, 0, kLongest, "m");
+    check->Number("low_y_m", by_pore.low_y, -kFarthest, kFarthest, "m");
+    check->Number("high_y_m", by_pore.high_y, -kFarthest, kFarthest, "m");
+    check->Number("low_length_m", by_pore.low_length, 0, kLongest, "m");
+    check->Number("high_length_m", by_pore.high_length, 0, kLongest, "m");
     if (by_pore.low_y >= by_pore.high_y) {
-      check->Fail("low_y",
-                  fmt::format("{} m must be below high_y, {} m", by_pore.low_y, by_pore.high_y));
+      check->Fail("low_y_m", fmt::format("is {} m; it must be below high_y_m, {} m", by_pore.low_y,
+                                         by_pore.high_y));
     }
   });
 }
@@ -133,11 +134,11 @@ void Check(Checker* check, const Cut::ByPore& by_pore) {
 void Check(Checker* check, const std::vector<Cut>& cuts) {
   check->Each("cuts", cuts, 0, kMostCuts, [&](const Cut& cut) {
     Check(check, cut.pores);
-    if (cut.height) check->Number("height", *cut.height, -kFarthest, kFarthest, "m");
+    if (cut.height) check->Number("height_m", *cut.height, -kFarthest, kFarthest, "m");
     Check(check, "keep", cut.keep);
     if (cut.by_pore) Check(check, *cut.by_pore);
     if (!cut.height && cut.keep.empty() && !cut.by_pore) {
-      check->Fail("height", "a cut has a height, half-spaces to keep or lengths by pore");
+      check->Fail("height_m", "is unset; a cut needs height_m, keep or by_pore");
     }
   });
 }
@@ -147,16 +148,16 @@ void Check(Checker* check, const Part& part) {
   Check(check, part.pores);
   if (part.tied_at) {
     check->Vector("tied_at", *part.tied_at, kFarthest, "m");
-    check->Number("tied_radius", part.tied_radius, 0, 1, "m");
+    check->Number("tied_radius_m", part.tied_radius, 0, 1, "m");
     check->Direction("tied_along", part.tied_along);
   }
-  check->Number("count", part.count, 1, static_cast<double>(kMostHairs), "");
-  check->Number("segments", part.segments, 2, 200, "");
-  check->Number("length", part.length, 1e-3, kLongest, "m");
+  check->Number("hair_count", part.count, 1, static_cast<double>(kMostHairs), "");
+  check->Number("segment_count", part.segments, 2, 200, "");
+  check->Number("length_m", part.length, 1e-3, kLongest, "m");
   check->Number("length_fluctuation", part.length_fluctuation, 0, 0.9, "");
-  check->Number("rigidity", part.rigidity, 1e-15, 1, "N m^2");
+  check->Number("rigidity_n_m2", part.rigidity, 1e-15, 1, "N m^2");
   check->Number("rigidity_fluctuation", part.rigidity_fluctuation, 0, 0.9, "");
-  check->Number("line_density", part.line_density, 1e-9, 1, "kg/m");
+  check->Number("line_density_kg_m", part.line_density, 1e-9, 1, "kg/m");
   Check(check, part.forces);
   Check(check, part.cuts);
 }
@@ -165,7 +166,7 @@ void Check(Checker* check, const Part& part) {
 
 Result<void> ValidateBeamStyle(const BeamStyle& style, const std::string& field) {
   Checker check(field);
-  check.Number("gravity", style.gravity, 0, 1000, "m/s^2");
+  check.Number("gravity_m_s2", style.gravity, 0, 1000, "m/s^2");
   check.Number("ambient_deviation", style.ambient_deviation, 0, 1, "");
   int64_t hairs = 0, nodes = 0;
   check.Each("parts", style.parts, 1, kMostParts, [&](const Part& part) {

@@ -2,10 +2,12 @@
 
 #include <embree3/rtcore.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "base/check.h"
+#include "contact/embree_scene.h"
 #include "contact/search_budget.h"
 #include "contact/triangle.h"
 
@@ -51,45 +53,15 @@ bool Visit(RTCPointQueryFunctionArguments* arguments) {
 }  // namespace
 
 struct ClosestTriangles::Scene {
-  explicit Scene(const SolidMesh& solid) {
+  explicit Scene(const SolidMesh& solid) : embree(solid.vertices, solid.triangles) {
     prepared.reserve(solid.triangles.size());
     for (const auto& [a, b, c] : solid.triangles) {
       prepared.emplace_back(solid.vertices[a], solid.vertices[b], solid.vertices[c]);
     }
-    device = rtcNewDevice(nullptr);  // Without a number of threads: it would limit all of oneTBB's.
-    MANE_CHECK(device != nullptr);
-    scene = rtcNewScene(device);
-    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
-    const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    auto* vertices = static_cast<float*>(
-        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                3 * sizeof(float), solid.vertices.size()));
-    auto* triangles = static_cast<uint32_t*>(
-        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                sizeof(Triangle), solid.triangles.size()));
-    MANE_CHECK(vertices != nullptr && triangles != nullptr);
-    for (const Vector3d& v : solid.vertices) {
-      for (const double x : v) *vertices++ = static_cast<float>(x);
-      reach = std::max(reach, v.lpNorm<Eigen::Infinity>());
-    }
-    for (const Triangle& t : solid.triangles) triangles = std::copy(t.begin(), t.end(), triangles);
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(scene, geometry);
-    rtcReleaseGeometry(geometry);
-    rtcCommitScene(scene);
-    MANE_CHECK(rtcGetDeviceError(device) == RTC_ERROR_NONE);
   }
-  ~Scene() {
-    rtcReleaseScene(scene);
-    rtcReleaseDevice(device);
-  }
-  Scene(const Scene&) = delete;
-  Scene& operator=(const Scene&) = delete;
 
+  EmbreeScene embree;
   std::vector<PreparedTriangle> prepared;
-  double reach = 0;  // Largest coordinate [m].
-  RTCDevice device;
-  RTCScene scene;
 };
 
 ClosestTriangles::ClosestTriangles(const SolidMesh& mesh) {
@@ -100,7 +72,7 @@ ClosestTriangles::ClosestTriangles(const SolidMesh& mesh) {
 ClosestTriangles::~ClosestTriangles() = default;
 
 ClosestTriangles::Hit ClosestTriangles::Find(const Vector3d& point, double within) const {
-  const double reach = std::max(scene_->reach, point.lpNorm<Eigen::Infinity>());
+  const double reach = std::max(scene_->embree.reach(), point.lpNorm<Eigen::Infinity>());
   Search search{scene_->prepared, point, 1e-6 * reach};
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
@@ -112,7 +84,7 @@ ClosestTriangles::Hit ClosestTriangles::Find(const Vector3d& point, double withi
     query.z = static_cast<float>(point.z());
     query.time = 0;
     query.radius = static_cast<float>(radius * (1 + 1e-6) + search.slack);
-    rtcPointQuery(scene_->scene, &query, &context, Visit, &search);
+    rtcPointQuery(scene_->embree.scene(), &query, &context, Visit, &search);
     // What was found beyond the radius need not be the nearest.
     if (std::sqrt(search.squared) <= radius * (1 + 1e-9)) break;
   }

@@ -5,11 +5,12 @@
 #include <vector>
 
 #include "base/clock.h"
-#include "groom/range.h"
+#include "rpc/beam_style_job.h"
 #include "rpc/convert_body.h"
 #include "rpc/convert_groom.h"
 #include "rpc/convert_import.h"
 #include "rpc/convert_style.h"
+#include "rpc/style_admission.h"
 #include "rpc/style_result.h"
 #include "stored.pb.h"
 #include "styling/guides.h"
@@ -32,7 +33,8 @@ constexpr size_t kStrandsPerStep = 64;
 Result<groom::Parts> ToParts(const StoredStyle& spec) {
   groom::Parts parts;
   parts.display_name = spec.header().display_name();
-  parts.seed = spec.header().style().seed();
+  parts.seed = spec.header().has_beam_style() ? spec.header().beam_style().seed()
+                                              : spec.header().style().seed();
   if (spec.header().has_ellipsoid()) {
     parts.scalp = ToEllipsoid(spec.header().ellipsoid());
   } else {
@@ -96,56 +98,7 @@ Result<groom::Import> ImportMasters(const std::vector<groom::ImportedStrand>& st
   return all;
 }
 
-Result<void> AdmitSeconds(double seconds, int wisps, const groom::Limits& limits) {
-  if (seconds <= limits.max_import_cost_s) return {};
-  return Error{ErrorCode::kResourceExhausted,
-               fmt::format("{} master strands would take {:.0f} s to become guides; at most {:.0f} "
-                           "s are allowed: use fewer wisps, longer segments, or fewer elements a "
-                           "guide",
-                           wisps, seconds, limits.max_import_cost_s),
-               "header.style.wisp_count"};
-}
-
-// The same as AdmitStyle, now that the masters' control points are known.
-Result<void> AdmitImport(const std::vector<groom::ImportedStrand>& masters,
-                         const groom::ImportOptions& guides, const groom::Limits& limits) {
-  double seconds = 0;
-  for (const groom::ImportedStrand& strand : masters) {
-    seconds += groom::ImportCost(strand.points.size(), guides);
-  }
-  return AdmitSeconds(seconds, static_cast<int>(masters.size()), limits);
-}
-
 }  // namespace
-
-Result<groom::ImportOptions> ToGuideOptions(const v1::ApplyStyleHeader& header) {
-  auto options = ToImportOptions(header.guides());
-  Result<void> valid;
-  if (options) valid = groom::ValidateImportOptions(*options);
-  const Error* wrong = !options ? &options.error() : !valid ? &valid.error() : nullptr;
-  if (wrong == nullptr) return options;
-  // They are called header.import_options where grooms are uploaded.
-  Error error = *wrong;
-  constexpr std::string_view kThere = "header.import_options";
-  for (std::string* text : {&error.field, &error.message}) {
-    for (size_t at = text->find(kThere); at != std::string::npos; at = text->find(kThere, at)) {
-      text->replace(at, kThere.size(), "header.guides");
-    }
-  }
-  return error;
-}
-
-Result<void> AdmitStyle(const styling::Style& style, const groom::ImportOptions& guides,
-                        const groom::Limits& limits) {
-  if (style.wisp_count > limits.max_guides) {
-    return groom::TooMany("header.style.wisp_count", "guides", style.wisp_count, limits.max_guides);
-  }
-  if (style.strand_count > limits.max_hairs) {
-    return groom::TooMany("header.style.strand_count", "hairs", style.strand_count,
-                          limits.max_hairs);
-  }
-  return AdmitSeconds(style.wisp_count * groom::ImportCost(2, guides), style.wisp_count, limits);
-}
 
 std::string StyledBy(const std::string& request_id) {
   return request_id.starts_with(kRequestPrefix) ? request_id.substr(kRequestPrefix.size()) : "";
@@ -156,23 +109,56 @@ Result<void> StyleJobs::Run(const std::string& job, jobs::JobContext& context) {
   if (!spec.ParseFromString(context.spec())) {
     return Error{ErrorCode::kInternal, "the stored style does not parse", ""};
   }
-  const base::Cancelled cancelled = [&context] { return context.Cancelled(); };
-  const auto style = ToStyle(spec.header().style(), "header.style");
-  if (!style) return style.error();
   const auto options = ToGuideOptions(spec.header());
   if (!options) return options.error();
   auto parts = ToParts(spec);
   if (!parts) return parts.error();
-  auto contact = library_.PrepareContact(*parts, cancelled);
+  auto contact = library_.PrepareContact(*parts, [&context] { return context.Cancelled(); });
   if (context.Cancelled()) return jobs::JobContext::StoppedError();
   if (!contact) return contact.error();
+  auto hair = spec.header().has_beam_style()
+                  ? StyleByBeams(spec.header().beam_style(), parts->scalp, *options,
+                                 library_.limits(), pool_, context)
+                  : StyleByWisps(spec, *parts, *options, context);
+  if (!hair) return hair.error();
 
+  context.Progress(kWritten);
+  const double begin = base::SteadySeconds();
+  auto import = ImportMasters(hair->guides, *options, pool_, context);
+  if (!import) return import.error();
+  GroomLibrary::Draft draft{
+      spec.header().groom_id(), std::string(kRequestPrefix) + job, *std::move(parts), {}, {}};
+  draft.contact = *std::move(contact);
+  if (context.Cancelled()) return jobs::JobContext::StoppedError();
+  draft.parts.hairs = std::make_shared<const groom::Hairs>(
+      styling::ToHairs(hair->guides, hair->first_member, *hair->members, hair->colours,
+                       import->guides, import->rest));
+  hair->owner.reset();  // Not needed any more, and large.
+  if (context.Cancelled()) return jobs::JobContext::StoppedError();
+  FromImport(*options, import->outcomes, &draft.import_report.emplace());
+  draft.parts.guides = std::move(import->guides);
+  draft.parts.rest = std::move(import->rest);
+  const auto record = library_.Create(std::move(draft));
+  if (!record) return record.error();
+  v1::HairstylePart last;
+  *last.mutable_report() = std::move(hair->report);
+  last.mutable_report()->set_groom("grooms/" + record->id);
+  last.mutable_report()->set_seconds_guides(base::SteadySeconds() - begin);
+  return context.AppendResult(last.SerializeAsString());
+}
+
+Result<StyledHair> StyleJobs::StyleByWisps(const StoredStyle& spec, const groom::Parts& parts,
+                                           const groom::ImportOptions& guides,
+                                           jobs::JobContext& context) {
+  const base::Cancelled cancelled = [&context] { return context.Cancelled(); };
+  const auto style = ToStyle(spec.header().style(), "header.style");
+  if (!style) return style.error();
   LastHead head = Take(spec);
   if (head.stylist == nullptr) {
-    auto obstacles = MakeObstacles(library_, *parts, cancelled);
+    auto obstacles = MakeObstacles(library_, parts, cancelled);
     if (context.Cancelled()) return jobs::JobContext::StoppedError();
     if (!obstacles) return obstacles.error();
-    head.stylist = std::make_unique<styling::Stylist>(parts->scalp, *std::move(obstacles));
+    head.stylist = std::make_unique<styling::Stylist>(parts.scalp, *std::move(obstacles));
   }
   auto hairstyle =
       head.stylist->Apply(*style, "header.style", pool_, cancelled,
@@ -182,33 +168,19 @@ Result<void> StyleJobs::Run(const std::string& job, jobs::JobContext& context) {
   if (context.Cancelled()) return jobs::JobContext::StoppedError();
   if (!hairstyle) return hairstyle.error();
   const styling::Hairstyle& h = **hairstyle;
-  const std::vector<groom::ImportedStrand> masters = styling::ToStrands(h.masters);
-  if (const auto ok = AdmitImport(masters, *options, library_.limits()); !ok) return ok;
-  v1::StyleReport report = MakeReport(*style, h, times);
 
-  if (const auto ok = WriteHairstyle(*style, h, context); !ok) return ok;
-  context.Progress(kWritten);
-  const double begin = base::SteadySeconds();
-  auto import = ImportMasters(masters, *options, pool_, context);
-  if (!import) return import.error();
-  GroomLibrary::Draft draft{
-      spec.header().groom_id(), std::string(kRequestPrefix) + job, *std::move(parts), {}, {}};
-  draft.contact = *std::move(contact);
-  if (context.Cancelled()) return jobs::JobContext::StoppedError();
-  draft.parts.hairs = std::make_shared<const groom::Hairs>(
-      styling::ToHairs(h.roots, h.masters, h.members, h.colours, import->guides, import->rest));
-  hairstyle = Error();  // Not needed any more, and large.
-  if (context.Cancelled()) return jobs::JobContext::StoppedError();
-  FromImport(*options, import->outcomes, &draft.import_report.emplace());
-  draft.parts.guides = std::move(import->guides);
-  draft.parts.rest = std::move(import->rest);
-  const auto record = library_.Create(std::move(draft));
-  if (!record) return record.error();
-  report.set_groom("grooms/" + record->id);
-  report.set_seconds_guides(base::SteadySeconds() - begin);
-  v1::HairstylePart last;
-  *last.mutable_report() = std::move(report);
-  return context.AppendResult(last.SerializeAsString());
+  StyledHair hair{styling::ToStrands(h.masters),
+                  h.roots.first_member,
+                  &h.members,
+                  h.colours,
+                  MakeReport(*style, h, times),
+                  {}};
+  const auto admitted =
+      AdmitGuides(hair.guides, guides, library_.limits(), "header.style.wisp_count");
+  if (!admitted) return admitted.error();
+  if (const auto ok = WriteHairstyle(*style, h, context); !ok) return ok.error();
+  hair.owner = *std::move(hairstyle);
+  return hair;
 }
 
 StyleJobs::LastHead StyleJobs::Take(const StoredStyle& spec) {

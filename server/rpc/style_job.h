@@ -7,8 +7,8 @@
 #include "base/result.h"
 #include "groom/import.h"
 #include "jobs/job_context.h"
-#include "mane/v1/style.pb.h"
 #include "rpc/groom_library.h"
+#include "rpc/styled_hair.h"
 #include "stored.pb.h"
 #include "styling/stylist.h"
 
@@ -16,22 +16,14 @@ namespace mane::rpc {
 
 inline constexpr const char* kStyleKind = "style";
 
-/// How masters become guides: header.guides. kInvalidArgument names `header.guides.` and the field.
-[[nodiscard]] Result<groom::ImportOptions> ToGuideOptions(const v1::ApplyStyleHeader& header);
-
-/// RESOURCE_EXHAUSTED where the style makes more guides or work than a groom may.
-[[nodiscard]] Result<void> AdmitStyle(const styling::Style& style,
-                                      const groom::ImportOptions& guides,
-                                      const groom::Limits& limits);
-
 /// The id of the job that made the groom stored under `request_id`; empty where none did.
 [[nodiscard]] std::string StyledBy(const std::string& request_id);
 
 /// Runs style jobs: applies the style, writes what it made as the job's result (serialised
 /// v1::HairstylePart, one a chunk), and makes the groom.
 ///
-/// The stylist of the last head is kept, so that the next style for the same head makes anew only
-/// what changed.
+/// The stylist of the last head is kept, so that the next style by wisps for the same head makes
+/// anew only what changed.
 ///
 /// Threads: any.
 class StyleJobs {
@@ -47,6 +39,9 @@ class StyleJobs {
     std::unique_ptr<styling::Stylist> stylist;
   };
 
+  // The part of a job that is a wisp style's; writes what it made.
+  Result<StyledHair> StyleByWisps(const StoredStyle& spec, const groom::Parts& parts,
+                                  const groom::ImportOptions& guides, jobs::JobContext& context);
   // The stylist of the head that `spec` says, if it was the last one; else none. Another job of the
   // same head makes its own meanwhile.
   LastHead Take(const StoredStyle& spec);

@@ -3,6 +3,7 @@
 #include <google/protobuf/util/json_util.h>
 
 #include "base/check.h"
+#include "rpc/beam_presets.h"
 
 namespace mane::rpc {
 namespace {
@@ -188,6 +189,7 @@ v1::ListStylePresetsResponse Parse() {
         google::protobuf::util::JsonStringToMessage(preset.style, message->mutable_style());
     MANE_CHECK(status.ok());
   }
+  AddBeamPresets(&response);
   return response;
 }
 

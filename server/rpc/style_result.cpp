@@ -64,10 +64,27 @@ Result<void> WriteMasters(const styling::Masters& masters, PartWriter* writer) {
   return writer->Write();
 }
 
-Result<void> WriteMembers(const styling::Roots& roots, const styling::Members& members,
-                          const std::vector<styling::Hsv>& colours, PartWriter* writer) {
-  for (int wisp = 0; wisp < roots.wisps(); ++wisp) {
-    for (uint32_t i = roots.first_member[wisp]; i < roots.first_member[wisp + 1]; ++i) {
+Result<void> WriteStrands(const std::vector<groom::ImportedStrand>& strands, PartWriter* writer) {
+  for (const groom::ImportedStrand& strand : strands) {
+    v1::HairstylePart::Masters* message = writer->part.mutable_masters();
+    float length = 0;
+    for (size_t i = 1; i < strand.points.size(); ++i) {
+      length += (strand.points[i] - strand.points[i - 1]).norm();
+    }
+    Append(static_cast<uint32_t>(strand.points.size()), message->mutable_joint_counts());
+    Append(length, message->mutable_lengths());
+    Append(strand.points, 0, strand.points.size(), message->mutable_outline());
+    Append(strand.points, 0, strand.points.size(), message->mutable_points());
+    if (const auto ok = writer->WriteIfLarge(2 * message->points().size()); !ok) return ok;
+  }
+  return writer->Write();
+}
+
+Result<void> WriteMembers(const std::vector<uint32_t>& first_member,
+                          const styling::Members& members, const std::vector<styling::Hsv>& colours,
+                          PartWriter* writer) {
+  for (size_t wisp = 0; wisp + 1 < first_member.size(); ++wisp) {
+    for (uint32_t i = first_member[wisp]; i < first_member[wisp + 1]; ++i) {
       v1::HairstylePart::Members* message = writer->part.mutable_members();
       const uint32_t begin = members.first_point[i], end = members.first_point[i + 1];
       Append(static_cast<uint32_t>(wisp), message->mutable_wisps());
@@ -163,11 +180,18 @@ Result<void> WriteHairstyle(const styling::Style& style, const styling::Hairstyl
                             jobs::JobContext& context) {
   PartWriter writer(context);
   if (const auto ok = WriteMasters(hairstyle.masters, &writer); !ok) return ok;
-  const auto members = WriteMembers(hairstyle.roots, hairstyle.members, hairstyle.colours, &writer);
+  const auto members =
+      WriteMembers(hairstyle.roots.first_member, hairstyle.members, hairstyle.colours, &writer);
   if (!members) return members;
   if (const auto ok = WriteDensity(*hairstyle.density, &writer); !ok) return ok;
   if (const auto ok = WriteField(style, hairstyle.density->box(), &writer); !ok) return ok;
   return WriteMaps(style, &writer);
+}
+
+Result<void> WriteBeams(const styling::BeamHairstyle& hairstyle, jobs::JobContext& context) {
+  PartWriter writer(context);
+  if (const auto ok = WriteStrands(hairstyle.guides, &writer); !ok) return ok;
+  return WriteMembers(hairstyle.first_member, hairstyle.members, hairstyle.colours, &writer);
 }
 
 }  // namespace mane::rpc

@@ -3,6 +3,7 @@
 #include "base/result.h"
 #include "jobs/job_context.h"
 #include "mane/v1/style.pb.h"
+#include "styling/beam_hairstyle.h"
 #include "styling/stylist.h"
 
 namespace mane::rpc {
@@ -17,5 +18,9 @@ namespace mane::rpc {
 [[nodiscard]] Result<void> WriteHairstyle(const styling::Style& style,
                                           const styling::Hairstyle& hairstyle,
                                           jobs::JobContext& context);
+
+/// The same of hair by beams: masters, which are its guides, and members.
+[[nodiscard]] Result<void> WriteBeams(const styling::BeamHairstyle& hairstyle,
+                                      jobs::JobContext& context);
 
 }  // namespace mane::rpc

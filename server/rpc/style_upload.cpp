@@ -6,12 +6,14 @@
 #include "groom/range.h"
 #include "groom/validate.h"
 #include "groom/validate_body.h"
+#include "rpc/convert_beam_style.h"
 #include "rpc/convert_body.h"
 #include "rpc/convert_groom.h"
 #include "rpc/convert_import.h"
 #include "rpc/convert_style.h"
 #include "rpc/job_service.h"
 #include "rpc/names.h"
+#include "rpc/style_admission.h"
 #include "rpc/style_job.h"
 
 namespace mane::rpc {
@@ -19,6 +21,25 @@ namespace {
 
 constexpr size_t kMaxDisplayName = 200;
 constexpr size_t kMaxRequestId = 64;
+
+// Of the job, in a few words.
+std::string Summary(const v1::ApplyStyleHeader& header) {
+  std::string what;
+  if (header.has_beam_style()) {
+    long hairs = 0;
+    for (const v1::BeamPart& part : header.beam_style().parts()) {
+      hairs += part.has_hair_count() ? part.hair_count() : beam::Part().count;
+    }
+    what = fmt::format("style of {} hairs as beams", hairs);
+  } else {
+    const v1::Style& style = header.style();
+    what = fmt::format(
+        "style of {} wisps and {} strands",
+        style.has_wisp_count() ? style.wisp_count() : styling::Style().wisp_count,
+        style.has_strand_count() ? style.strand_count() : styling::Style().strand_count);
+  }
+  return header.groom_id().empty() ? what : what + " as grooms/" + header.groom_id();
+}
 
 }  // namespace
 
@@ -67,9 +88,15 @@ Result<void> StyleUpload::AddHeader(const v1::ApplyStyleHeader& header) {
   }
   const auto guides = ToGuideOptions(header);
   if (!guides) return guides.error();
+  if (header.has_style() && header.has_beam_style()) {
+    return InvalidArgument("header.beam_style", "header.style and header.beam_style are both set");
+  }
+  if (header.has_beam_style()) {
+    const auto style = ToBeamStyle(header.beam_style(), "header.beam_style");
+    return style ? AdmitBeamStyle(*style, *guides, library_.limits()) : style.error();
+  }
   const auto style = ToStyle(header.style(), "header.style");
-  if (!style) return style.error();
-  return AdmitStyle(*style, *guides, library_.limits());
+  return style ? AdmitStyle(*style, *guides, library_.limits()) : style.error();
 }
 
 Result<void> StyleUpload::AddMesh(const v1::TriangleMesh& piece) {
@@ -101,14 +128,8 @@ Result<v1::Job> StyleUpload::Finish(const std::atomic<bool>& /*cancelled*/) {
   if (IsTaken()) return GroomLibrary::Taken(header_.groom_id());
 
   *spec.mutable_header() = std::move(header_);
-  const v1::Style& style = spec.header().style();
   const auto status = queue_.Submit(
-      {kStyleKind, spec.SerializeAsString(),
-       fmt::format("style of {} wisps and {} strands{}{}",
-                   style.has_wisp_count() ? style.wisp_count() : styling::Style().wisp_count,
-                   style.has_strand_count() ? style.strand_count() : styling::Style().strand_count,
-                   spec.header().groom_id().empty() ? "" : " as grooms/", spec.header().groom_id()),
-       spec.header().request_id()});
+      {kStyleKind, spec.SerializeAsString(), Summary(spec.header()), spec.header().request_id()});
   if (!status) return status.error();
   v1::Job job;
   FromStatus(*status, &job);

@@ -3,16 +3,14 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <cstring>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "mane/v1/style.grpc.pb.h"
 #include "rpc/convert_style.h"
 #include "rpc/style_presets.h"
-#include "rpc/test_server.h"
+#include "rpc/test_styling.h"
 #include "styling/png_image.h"
 #include "styling/stylist.h"
 
@@ -34,52 +32,7 @@ v1::ApplyStyleHeader SmallHeader() {
   return header;
 }
 
-class StylingServiceTest : public ::testing::Test {
- protected:
-  grpc::Status Apply(const v1::ApplyStyleHeader& header, v1::Job* job,
-                     const std::vector<v1::ApplyStyleRequest>& more = {}) {
-    const auto stub = v1::StylingService::NewStub(server_.channel());
-    grpc::ClientContext context;
-    const auto writer = stub->ApplyStyle(&context, job);
-    v1::ApplyStyleRequest request;
-    *request.mutable_header() = header;
-    writer->Write(request);
-    for (const auto& message : more) writer->Write(message);
-    request.mutable_commit();
-    writer->Write(request);
-    writer->WritesDone();
-    return writer->Finish();
-  }
-
-  // Follows a job to its end.
-  v1::Job Watch(const std::string& name) {
-    const auto stub = v1::JobService::NewStub(server_.channel());
-    grpc::ClientContext context;
-    v1::WatchJobRequest request;
-    request.set_name(name);
-    const auto reader = stub->WatchJob(&context, request);
-    v1::Job job;
-    while (reader->Read(&job)) {
-    }
-    EXPECT_TRUE(reader->Finish().ok());
-    return job;
-  }
-
-  std::vector<v1::HairstylePart> Read(const std::string& job, grpc::Status* status) {
-    const auto stub = v1::StylingService::NewStub(server_.channel());
-    grpc::ClientContext context;
-    v1::ReadHairstyleRequest request;
-    request.set_name(job);
-    const auto reader = stub->ReadHairstyle(&context, request);
-    std::vector<v1::HairstylePart> parts;
-    v1::HairstylePart part;
-    while (reader->Read(&part)) parts.push_back(part);
-    *status = reader->Finish();
-    return parts;
-  }
-
-  TestServer server_;
-};
+using StylingServiceTest = StylingFixture;
 
 TEST_F(StylingServiceTest, AStyleBecomesAGroomAndSurvivesARestart) {
   auto header = SmallHeader();
@@ -251,7 +204,7 @@ TEST_F(StylingServiceTest, WhatDoesNotFitTheHeadFailsTheJob) {
 
 // Of a head of human size: every preset is valid, leads all hair that it selects, and keeps out.
 TEST(StylePresetsTest, EveryPresetComesOut) {
-  ASSERT_EQ(StylePresets().presets_size(), 7);
+  int wisps = 0;
   groom::Ellipsoid head;
   head.center = {0, 0.05, 0.02};
   head.radii = {0.077, 0.094, 0.092};
@@ -261,6 +214,8 @@ TEST(StylePresetsTest, EveryPresetComesOut) {
   exec::WorkerPool pool(2);
   styling::Stylist stylist(head, obstacles);
   for (const v1::StylePreset& preset : StylePresets().presets()) {
+    if (!preset.has_style()) continue;
+    ++wisps;
     SCOPED_TRACE(preset.name());
     v1::Style small = preset.style();
     small.set_wisp_count(150);
@@ -278,6 +233,7 @@ TEST(StylePresetsTest, EveryPresetComesOut) {
       ASSERT_GT(styling::DistanceTo(obstacles, p.cast<double>()).distance, -1e-5);
     }
   }
+  EXPECT_EQ(wisps, 7);
 }
 
 }  // namespace

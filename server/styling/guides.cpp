@@ -25,12 +25,11 @@ std::vector<Eigen::Vector3f> OwnPoints(const Masters& masters, int wisp) {
   return points;
 }
 
-// The part of a master's own arc length at each of its joints; 1 beyond it.
-void PartsOfJoints(const Masters& masters, int wisp, std::vector<float>* parts) {
-  const std::vector<Eigen::Vector3f> own = OwnPoints(masters, wisp);
+// The part of its arc length at each of a strand's points.
+void PartsOfPoints(std::span<const Eigen::Vector3f> points, std::vector<float>* parts) {
   parts->assign(1, 0.0F);
-  for (size_t i = 1; i < own.size(); ++i) {
-    parts->push_back(parts->back() + (own[i] - own[i - 1]).norm());
+  for (size_t i = 1; i < points.size(); ++i) {
+    parts->push_back(parts->back() + (points[i] - points[i - 1]).norm());
   }
   const float length = parts->back();
   for (float& part : *parts) part = std::min(part / length, 1.0F);
@@ -46,11 +45,12 @@ std::vector<groom::ImportedStrand> ToStrands(const Masters& masters) {
   return strands;
 }
 
-groom::Hairs ToHairs(const Roots& roots, const Masters& masters, const Members& members,
+groom::Hairs ToHairs(std::span<const groom::ImportedStrand> strands,
+                     std::span<const uint32_t> first_member, const Members& members,
                      std::span<const Hsv> colours, std::span<const groom::Guide> guides,
                      std::span<const double> rest) {
-  const int wisps = roots.wisps();
-  MANE_CHECK(static_cast<int>(guides.size()) == wisps);
+  const int wisps = static_cast<int>(strands.size());
+  MANE_CHECK(guides.size() == strands.size() && first_member.size() == strands.size() + 1);
   std::vector<Eigen::Vector3f> samples(static_cast<size_t>(wisps) * kGuideSamples);
   std::vector<groom::GuideAtRest> at_rest(wisps);
   size_t coordinate = 0;
@@ -70,15 +70,14 @@ groom::Hairs ToHairs(const Roots& roots, const Masters& masters, const Members& 
   // Parts of all members' points, then views of them.
   std::vector<float> parts(members.points.size());
   std::vector<groom::HairAtRest> hairs(members.strands());
-  std::vector<float> of_joints;
+  std::vector<float> of_points;
   for (int wisp = 0; wisp < wisps; ++wisp) {
-    PartsOfJoints(masters, wisp, &of_joints);
-    for (uint32_t strand = roots.first_member[wisp]; strand < roots.first_member[wisp + 1];
-         ++strand) {
+    PartsOfPoints(strands[wisp].points, &of_points);
+    for (uint32_t strand = first_member[wisp]; strand < first_member[wisp + 1]; ++strand) {
       const uint32_t first = members.first_point[strand];
       const auto points = members.strand(static_cast<int>(strand));
       for (size_t k = 0; k < points.size(); ++k) {
-        parts[first + k] = k < of_joints.size() ? of_joints[k] : 1.0F;
+        parts[first + k] = k < of_points.size() ? of_points[k] : 1.0F;
       }
       hairs[strand] = {static_cast<uint32_t>(wisp), std::span(parts).subspan(first, points.size()),
                        points, HsvToRgb8(colours[strand])};

@@ -18,17 +18,20 @@ inline constexpr int kGuideSamples = 64;
 /// master of less than two segments has its last segment cut.
 [[nodiscard]] std::vector<groom::ImportedStrand> ToStrands(const Masters& masters);
 
-/// Members as hairs of the guides that their masters became.
+/// Members as hairs of the guides that strands became.
 ///
-/// A member's control point k rides where its master's point k is on the guide; beyond the master's
-/// length, at the tip. Upright and at rest the hairs are where the members are, whatever the fit
-/// of the guides was, to quantisation.
+/// A member's control point k rides where its strand's point k is on the guide; beyond the strand,
+/// at the tip. Upright and at rest the hairs are where the members are, whatever the fit of the
+/// guides was, to quantisation.
 ///
-/// @param guides   of ToStrands(masters), plain ones, in order. @param rest  their rest shapes, as
-///                 groom::Import::rest.
-/// @param colours  (members).
-[[nodiscard]] groom::Hairs ToHairs(const Roots& roots, const Masters& masters,
-                                   const Members& members, std::span<const Hsv> colours,
+/// @param strands       such as ToStrands(masters), each with a length.
+/// @param first_member  of each strand, and the total, (strands + 1).
+/// @param colours       (members).
+/// @param guides        of `strands`, plain ones, in order. @param rest  their rest shapes, as
+///                      groom::Import::rest.
+[[nodiscard]] groom::Hairs ToHairs(std::span<const groom::ImportedStrand> strands,
+                                   std::span<const uint32_t> first_member, const Members& members,
+                                   std::span<const Hsv> colours,
                                    std::span<const groom::Guide> guides,
                                    std::span<const double> rest);
 

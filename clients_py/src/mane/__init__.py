@@ -8,6 +8,7 @@ All lengths are metres, all angles radians; axes are right-handed with Y up, an 
 toward +Z; quaternions are (x, y, z, w). `mane.convert` brings other conventions here.
 """
 
+from mane.beam_style import BeamStyle, PoreRegion, Spread
 from mane.beams import AnimationModel, BeamEquations, BeamMotion
 from mane.bodies import (
     Body,
@@ -55,12 +56,14 @@ from mane.motion import Motion
 from mane.pose import Environment, Pose
 from mane.strands import HairProperties, ImportOptions, ImportReport, ImportSummary, Strand
 from mane.stream import Notice, NoticeCode, Pacing
-from mane.style import Region, StrandKind, Style, StylePreset
+from mane.style import Region, StrandKind, Style
+from mane.styles import StylePreset, load_style
 
 __all__ = [
     "AlreadyExists",
     "AnimationModel",
     "Bake",
+    "BeamStyle",
     "BeamEquations",
     "BeamMotion",
     "Body",
@@ -106,6 +109,7 @@ __all__ = [
     "Outcome",
     "Pacing",
     "PermissionDenied",
+    "PoreRegion",
     "Pose",
     "RealtimeHead",
     "Region",
@@ -113,6 +117,7 @@ __all__ = [
     "RestShape",
     "ScalpContact",
     "Space",
+    "Spread",
     "Status",
     "Strand",
     "StrandKind",
@@ -124,4 +129,5 @@ __all__ = [
     "Unavailable",
     "Volume",
     "frame_along",
+    "load_style",
 ]

@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike
 from mane import beams, channel, jobs, messages, strand_messages, stream, style_messages
 from mane import client as blocking
 from mane.aio_heads import Head, LockstepHead, RealtimeHead, open_head
+from mane.beam_style import BeamStyle
 from mane.beams import AnimationModel, BeamMotion
 from mane.bodies import Body, ScalpContact
 from mane.client import Status
@@ -36,7 +37,8 @@ from mane.motion import Motion
 from mane.pose import Environment
 from mane.strands import ImportOptions, ImportReport, Strand
 from mane.stream import Pacing
-from mane.style import Style, StylePreset
+from mane.style import Style
+from mane.styles import StylePreset
 from mane.v1 import (
     animation_pb2,
     bake_pb2,
@@ -210,7 +212,7 @@ class Client:
 
     async def apply_style(
         self,
-        style: Style,
+        style: Style | BeamStyle,
         *,
         scalp: Mesh | Ellipsoid,
         scalp_contact: ScalpContact | None = None,

@@ -9,22 +9,24 @@ import typer
 from rich.table import Table
 
 from mane import cli_bodies, grey_png, scalp_maps
+from mane.beam_style import BeamStyle
 from mane.bodies import Material, ScalpContact
 from mane.cli_motion import writable
 from mane.client import Client
 from mane.convert import UNITS_M
-from mane.errors import NotFound
+from mane.errors import InvalidArgument, NotFound
 from mane.groom import HairType
 from mane.hairstyle import Hairstyle, StyleReport
 from mane.jobs import Job
 from mane.progress import err, listing, out, waiting, watched
 from mane.strands import ImportOptions
 from mane.style import GUIDES, Style
+from mane.styles import load_style
 
 app = typer.Typer(
     no_args_is_help=True,
     rich_markup_mode="markdown",
-    help="Make hairstyles: wisps that are combed, cut, tied and braided.",
+    help="Make hairstyles: wisps or bending beams that are combed, cut and tied.",
 )
 
 _STYLE = "A style's .json file, or the name of a preset."
@@ -74,10 +76,13 @@ def show(
     ```
     mane style show bob
     mane style show ponytail -o tail.json
+    mane style show beam-bob
     ```
 
     The document says only what differs from the API's defaults. `proto/mane/v1/style.proto`
-    describes every field; a field that there is not is refused by name when the style is applied.
+    describes every field; that of a style by beams, all of whose document is its field
+    `beam_style`, `proto/mane/v1/beam_style.proto`. A field that there is not is refused by name
+    when the style is applied.
     """
     style = _preset(context.obj, name)
     if output is None:
@@ -107,7 +112,8 @@ def apply(
         int | None, typer.Option(min=0, help="How many hairs, in place of the style's.")
     ] = None,
     wisps: Annotated[
-        int | None, typer.Option(min=1, help="How many wisps, in place of the style's.")
+        int | None,
+        typer.Option(min=1, help="How many wisps, or of beams guides, in place of the style's."),
     ] = None,
     seed: Annotated[
         int | None, typer.Option(min=0, help="Of everything random, in place of the style's.")
@@ -141,7 +147,8 @@ def apply(
 
     Master strands, one a wisp, grow from the scalp, fall, make room for each other, and go where
     constraints lead them; members fill every wisp around its master. The masters become the groom's
-    guides, which `mane animate` moves, the members its hairs.
+    guides, which `mane animate` moves, the members its hairs. A style by beams bends every hair on
+    its own instead, around an ellipsoid that stands for the head; some hairs become guides.
 
     Examples:
 
@@ -149,6 +156,7 @@ def apply(
     mane style apply bob -o bob --picture bob.png
     mane style apply tail.json -o anna --scalp body.obj --group body --unit dm --scalp-contact
     mane style apply bob -o small --strands 5000 --seed 7 --npz small.npz
+    mane style apply beam-swept-back -o swept --picture swept.png
     mane animate walk.bvh -g bob -o walk.npz
     ```
 
@@ -176,7 +184,7 @@ def apply(
         hairstyle = client.read_hairstyle(job)
     report = hairstyle.report
     out.print(f"{report.groom}: {report.wisp_count} guides, {report.strand_count} hairs")
-    _print_report(report)
+    _print_report(hairstyle)
     out.print(f"made by {job.name}")
     if npz:
         hairstyle.save(npz)
@@ -224,9 +232,13 @@ def map_(
             f"{name!r} is not one of {', '.join(scalp_maps.UNSET)}", param_hint="NAME"
         )
     if style.startswith("jobs/"):
-        values = context.obj.read_hairstyle(style).maps[name]
+        values = context.obj.read_hairstyle(style).maps.get(name)
     else:
-        values = scalp_maps.drawn(_style(context.obj, style).message, name, size)
+        chosen = _style(context.obj, style)
+        by_wisps = isinstance(chosen, Style)
+        values = scalp_maps.drawn(chosen.message, name, size) if by_wisps else None
+    if values is None:
+        raise InvalidArgument.of("style", f"{style} is made of beams, which have no maps")
     white = float(values.max()) or 1.0
     output.write_bytes(grey_png.encode(values / white))
     out.print(f"{output}: {name}, white is {white:g}")
@@ -269,21 +281,29 @@ def picture(
     _draw(output, hairstyle, cli_bodies.load_scalp(scalp, group, unit), title, size)
 
 
-def _style(client: Client, text: str) -> Style:
+def _style(client: Client, text: str) -> Style | BeamStyle:
     """The style of a file, or the preset of that name."""
-    return Style.load(text) if text.endswith(".json") else _preset(client, text)
+    return load_style(text) if text.endswith(".json") else _preset(client, text)
 
 
-def _preset(client: Client, name: str) -> Style:
+def _preset(client: Client, name: str) -> Style | BeamStyle:
     known = {preset.name: preset.style for preset in client.style_presets()}
     if name not in known:
         raise NotFound(f"there is no preset {name!r}; there are {', '.join(known)}")
     return known[name]
 
 
-def _changed(style: Style, strands: int | None, wisps: int | None, seed: int | None) -> Style:
-    given = {"strand_count": strands, "wisp_count": wisps, "seed": seed}
-    return Style(style.message, **{name: n for name, n in given.items() if n is not None})
+def _changed(
+    style: Style | BeamStyle, strands: int | None, wisps: int | None, seed: int | None
+) -> Style | BeamStyle:
+    if isinstance(style, BeamStyle):
+        given = {"guide_count": wisps, "seed": seed}
+        if strands is not None:
+            style = style.with_hair_count(strands)
+    else:
+        given = {"strand_count": strands, "wisp_count": wisps, "seed": seed}
+    given = {name: number for name, number in given.items() if number is not None}
+    return type(style)(style.message, **given)
 
 
 def _wait(client: Client, job: Job) -> None:
@@ -297,15 +317,19 @@ def _wait(client: Client, job: Job) -> None:
     last.require_success()
 
 
-def _print_report(report: StyleReport) -> None:
+def _print_report(hairstyle: Hairstyle) -> None:
+    report = hairstyle.report
     table = Table(box=None, show_header=False)
-    stages = ", ".join(f"{name} {seconds:.1f}" for name, seconds in report.stages_s().items())
-    rows = {
-        "control points": f"{report.control_point_count}, of hairs",
-        "crowded segments": str(report.crowded_segments),
-        "constraints": f"{len(report.outcomes)}, {len(report.missed)} not met by all their wisps",
-        "seconds": stages,
-    }
+    stages = report.stages_s()
+    rows = {"control points": f"{report.control_point_count}, of hairs"}
+    if hairstyle.density is None:  # By beams.
+        stages = {name: stages[name] for name in ("members", "guides")}
+    else:
+        rows["crowded segments"] = str(report.crowded_segments)
+        rows["constraints"] = (
+            f"{len(report.outcomes)}, {len(report.missed)} not met by all their wisps"
+        )
+    rows["seconds"] = ", ".join(f"{name} {seconds:.1f}" for name, seconds in stages.items())
     for row in rows.items():
         table.add_row(*row)
     out.print(table)

@@ -14,6 +14,7 @@ from grpc_health.v1 import health_pb2, health_pb2_grpc
 from numpy.typing import ArrayLike
 
 from mane import beams, channel, jobs, messages, strand_messages, stream, style_messages
+from mane.beam_style import BeamStyle
 from mane.beams import AnimationModel, BeamMotion
 from mane.bodies import Body, ScalpContact
 from mane.errors import InvalidArgument
@@ -29,7 +30,8 @@ from mane.motion import Motion
 from mane.pose import Environment
 from mane.strands import ImportOptions, ImportReport, Strand
 from mane.stream import Pacing
-from mane.style import GUIDES, Style, StylePreset
+from mane.style import GUIDES, Style
+from mane.styles import StylePreset
 from mane.v1 import (
     animation_pb2,
     animation_pb2_grpc,
@@ -300,7 +302,7 @@ class Client:
 
     def apply_style(
         self,
-        style: Style,
+        style: Style | BeamStyle,
         *,
         scalp: Mesh | Ellipsoid,
         scalp_contact: ScalpContact | None = None,
@@ -313,12 +315,15 @@ class Client:
         succeeded, the groom is there, and `read_hairstyle` gives all hair.
 
         Args:
-          style: what to make.
-          scalp: a triangle mesh or an ellipsoid in the head frame. Styling keeps hair out of it.
+          style: what to make, of wisps or of beams.
+          scalp: a triangle mesh or an ellipsoid in the head frame. Styling keeps hair out of it, or
+            by beams out of an ellipsoid around it.
           scalp_contact: where hair meets the scalp when it is animated; None where it passes
             through.
-          bodies: as in `create_groom`; styling keeps hair out of them where they are on the head.
-          guides: how master strands become guides; None is `mane.style.GUIDES`.
+          bodies: as in `create_groom`; styling of wisps keeps hair out of them where they are on
+            the head.
+          guides: how master strands, or some of the beams, become guides; None is
+            `mane.style.GUIDES`.
           groom_id, display_name: as in `create_groom`.
 
         Raises InvalidArgument that names the offending field

@@ -37,11 +37,12 @@ class StyleReport:
     Attributes:
       groom: that was made, `grooms/{groom}`.
       outcomes: an `Outcome` of every constraint.
-      wisp_count, strand_count: masters, and members of them all.
+      wisp_count, strand_count: masters, and members of them all; of a style by beams guides, and
+        all hairs.
       control_point_count: of all members.
       crowded_segments: of masters, that are denser than the threshold all the same.
       seconds_roots, seconds_masters, seconds_deformation, seconds_members, seconds_guides: what
-        each stage took.
+        each stage took; a style by beams has members and guides.
     """
 
     groom: str = ""
@@ -140,20 +141,21 @@ class Hairstyle:
     """What a style became on a head.
 
     Attributes:
-      masters: `Masters`.
-      members: `Members`.
+      masters: `Masters`; of a style by beams the hairs that became guides.
+      members: `Members`; of a style by beams all hairs, their `wisps` the guides that they ride on.
       density: `Volume`: the part of space that hair, or the head, takes.
       field: `Volume` of vectors: the styling field, without constraints; over the same box, not as
         fine.
       maps: `density`, `length` and `protrusion` as they were used, drawn over the scalp as
-        `mane.scalp_maps` says: float32 (512, 512).
+        `mane.scalp_maps` says: float32 (512, 512). A style by beams has none, nor a density and
+        field, which are None.
       report: `StyleReport`.
     """
 
     masters: Masters
     members: Members
-    density: Volume
-    field: Volume
+    density: Volume | None
+    field: Volume | None
     maps: dict[str, np.ndarray]
     report: StyleReport
 
@@ -163,7 +165,7 @@ class Hairstyle:
         arrays |= {
             _MEMBER_KEYS.get(name, name): value for name, value in vars(self.members).items()
         }
-        for part in _VOLUMES:
+        for part in _VOLUMES if self.density else ():
             arrays |= {f"{part}_{name}": value for name, value in vars(getattr(self, part)).items()}
         arrays |= {f"map_{name}": values for name, values in self.maps.items()}
         with open(path, "wb") as file:
@@ -188,7 +190,8 @@ class Hairstyle:
                     values=arrays[f"{part}_values"],
                 )
                 for part in _VOLUMES
-            ]
+                if f"{part}_low" in arrays
+            ] or [None, None]
         except (ValueError, TypeError, KeyError, EOFError) as error:
             raise InvalidArgument.of(str(path), f"is not a saved hairstyle: {error!r}") from error
         maps = {

@@ -1,4 +1,4 @@
-"""Hairstyles as documents, and what a hairdresser does to them."""
+"""Hairstyles by wisps as documents, and what a hairdresser does to them."""
 
 from __future__ import annotations
 
@@ -6,29 +6,26 @@ import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from pathlib import Path
 from typing import Literal
 
-import numpy as np
-from google.protobuf import json_format
 from numpy.typing import ArrayLike
 
-from mane import grey_png, scalp_maps, style_json
+from mane import grey_png, scalp_maps
 from mane.errors import InvalidArgument
 from mane.pose import choice
 from mane.strands import ImportOptions
+from mane.style_document import HalfSpace, StyleDocument, array, half_space
 from mane.v1 import style_pb2
 from mane.value_messages import vector3
 
 Image = ArrayLike | str | os.PathLike | bytes
 """Numbers (height, width) in [0, 1], or a PNG file: its path or its content."""
 
-HalfSpace = tuple[ArrayLike, float]
-"""All x with normal . x >= offset_m: the normal (3,) and the offset [m], head frame."""
-
-
 GUIDES = ImportOptions(element_count=10, error_bound_m=0)
 """How master strands become guides unless told otherwise."""
+
+
+_HALF_SPACE = style_pb2.ScalpRegion.HalfSpace
 
 
 class StrandKind(StrEnum):
@@ -68,10 +65,11 @@ class Region:
         message = style_pb2.ScalpRegion()
         for name in ("polar", "azimuth"):
             if getattr(self, name) is not None:
-                low, high = _array(f"{field}.{name}", getattr(self, name), (2,))
+                low, high = array(f"{field}.{name}", getattr(self, name), (2,))
                 getattr(message, name).CopyFrom(style_pb2.ScalpRegion.Interval(low=low, high=high))
-        for index, half_space in enumerate(self.half_spaces):
-            message.half_spaces.append(_half_space(f"{field}.half_spaces[{index}]", half_space))
+        for index, each in enumerate(self.half_spaces):
+            path = f"{field}.half_spaces[{index}]"
+            message.half_spaces.append(half_space(path, each, _HALF_SPACE))
         if self.mask is not None:
             message.mask_png = grey_png.of(self.mask, f"{field}.mask")
         try:
@@ -83,8 +81,8 @@ class Region:
         return message
 
 
-class Style:
-    """A hairstyle, whole: the document that people save, diff and replay.
+class Style(StyleDocument):
+    """A hairstyle by wisps, whole: the document that people save, diff and replay.
 
     `message` holds it, with the fields that `proto/mane/v1/style.proto` describes; what is unset
     has the value named there. Every operation leaves this style as it is and gives back a changed
@@ -98,51 +96,8 @@ class Style:
       fields: of the message, in place of its own: `seed`, `wisp_count`, ...
     """
 
-    def __init__(self, message: style_pb2.Style | None = None, /, **fields):
-        self.message = style_pb2.Style()
-        if message is not None:
-            self.message.CopyFrom(message)
-        try:
-            given = style_pb2.Style(**fields)
-        except (TypeError, ValueError) as error:
-            raise InvalidArgument.of("style", str(error)) from error
-        for name in fields:
-            self.message.ClearField(name)
-        self.message.MergeFrom(given)
-
-    @classmethod
-    def load(cls, path: str | os.PathLike) -> Style:
-        """The style of a JSON file. InvalidArgument names the file and the field that is wrong."""
-        try:
-            text = Path(path).read_text(encoding="utf-8")
-        except UnicodeDecodeError as error:
-            raise InvalidArgument.of(str(path), f"is not UTF-8 text: {error.reason}") from error
-        return cls(style_json.parse(text, str(path)))
-
-    @classmethod
-    def from_json(cls, text: str) -> Style:
-        """The style of a JSON text. InvalidArgument names the field that is wrong."""
-        return cls(style_json.parse(text))
-
-    def to_json(self) -> str:
-        """As JSON, protobuf's own mapping: names as in the API, in its order; what is unset is left
-        out."""
-        return json_format.MessageToJson(self.message, preserving_proto_field_name=True) + "\n"
-
-    def save(self, path: str | os.PathLike) -> None:
-        """Writes a JSON file."""
-        Path(path).write_text(self.to_json(), encoding="utf-8")
-
-    def copy(self) -> Style:
-        return Style(self.message)
-
-    def __eq__(self, other) -> bool:
-        return isinstance(other, Style) and self.message == other.message
-
-    __hash__ = None
-
-    def __repr__(self) -> str:
-        return f"Style.from_json({self.to_json()!r})"
+    MESSAGE = style_pb2.Style
+    NAME = "style"
 
     def with_map(
         self,
@@ -199,7 +154,7 @@ class Style:
         """
         cut = style_pb2.HairdressingOperation.Cut(length_m=length_m)
         if plane is not None:
-            cut.plane.CopyFrom(_half_space("plane", plane))
+            cut.plane.CopyFrom(half_space("plane", plane, _HALF_SPACE))
         return self._dressed(region, cut=cut)
 
     def wave(
@@ -281,56 +236,14 @@ class Style:
         return changed
 
 
-@dataclass(frozen=True, eq=False)
-class StylePreset:
-    """A shipped style.
-
-    Attributes:
-      name: such as `bob`.
-      description: one sentence.
-      style: for a head of human size with its centre at the origin.
-    """
-
-    name: str
-    description: str
-    style: Style
-
-
-def _array(field: str, values: ArrayLike, shape: tuple[int, ...]) -> np.ndarray:
-    """`values` as float64 of that shape, -1 for any length."""
-    try:
-        array = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InvalidArgument.of(field, f"must be numbers: {error}") from error
-    fits = array.ndim == len(shape) and all(
-        want in (-1, have) for want, have in zip(shape, array.shape, strict=True)
-    )
-    if not fits:
-        wanted = str(shape).replace("-1", "k")
-        raise InvalidArgument.of(field, f"has shape {array.shape}, must be {wanted}")
-    return array
-
-
-def _half_space(field: str, value: HalfSpace) -> style_pb2.ScalpRegion.HalfSpace:
-    try:
-        normal, offset_m = value
-        offset_m = float(offset_m)
-    except (TypeError, ValueError):
-        raise InvalidArgument.of(
-            field, f"is {value!r}, must be a normal (3,) and an offset in metres"
-        ) from None
-    normal = _array(f"{field}.normal", normal, (3,))
-    return style_pb2.ScalpRegion.HalfSpace(normal=vector3(normal), offset_m=offset_m)
-
-
 def _stops(field: str, stops: Iterable[tuple[float, float]]) -> list[style_pb2.Stop]:
     pairs = list(stops)
-    array = _array(field, pairs, (-1, 2)) if pairs else ()
-    return [style_pb2.Stop(at=at, value=value) for at, value in array]
+    numbers = array(field, pairs, (-1, 2)) if pairs else ()
+    return [style_pb2.Stop(at=at, value=value) for at, value in numbers]
 
 
 def _path(path: ArrayLike) -> list:
-    points = _array("path", path, (-1, 3))
+    points = array("path", path, (-1, 3))
     if len(points) < 2:
         raise InvalidArgument.of("path", f"has shape {points.shape}, must have 2 points or more")
     return [vector3(point) for point in points]
@@ -353,6 +266,6 @@ def _synthesis(
             period_m=period_m,
         )
     else:
-        line = _array("points", points, (-1, 3))
+        line = array("points", points, (-1, 3))
         prototype = style_pb2.Prototype(points=line.astype("<f4").tobytes())
     return style_pb2.Synthesis(prototype=prototype, window=window, temperature=temperature)

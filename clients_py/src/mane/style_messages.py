@@ -8,13 +8,15 @@ from dataclasses import fields
 import numpy as np
 
 from mane import grey_png, messages, strand_messages
+from mane.beam_style import BeamStyle
 from mane.bodies import Body, ScalpContact
 from mane.errors import Internal
 from mane.groom import Ellipsoid
 from mane.hairstyle import Hairstyle, Masters, Members, Outcome, StyleReport, Volume
 from mane.mesh import Mesh
 from mane.strands import ImportOptions
-from mane.style import Style, StylePreset
+from mane.style import Style
+from mane.styles import StylePreset
 from mane.v1 import style_pb2
 from mane.value_messages import from_vector3
 
@@ -33,7 +35,7 @@ _MEMBERS = {
 
 
 def apply_style(
-    style: Style,
+    style: Style | BeamStyle,
     guides: ImportOptions,
     scalp: Mesh | Ellipsoid | None,
     contact: ScalpContact | None,
@@ -50,8 +52,8 @@ def apply_style(
         groom_id=made.groom_id,
         display_name=made.display_name,
         request_id=made.request_id,
-        style=style.message,
         guides=strand_messages.options(guides),
+        **{style.NAME: style.message},
     )
     for name in ("ellipsoid", "scalp_contact"):
         if made.HasField(name):
@@ -103,6 +105,8 @@ class DownloadedHairstyle:
         came = (len(masters.lengths), len(members.wisps), len(members.points))
         if told != came:
             raise Internal("the server's hairstyle is not complete")
+        if not self._maps:  # Hair by beams.
+            return Hairstyle(masters, members, None, None, {}, report)
         volumes = self._density.volume(), self._field.volume()
         return Hairstyle(masters, members, *volumes, self._maps, report)
 
@@ -147,7 +151,11 @@ def from_report(message: style_pb2.StyleReport) -> StyleReport:
 
 def from_presets(message: style_pb2.ListStylePresetsResponse) -> list[StylePreset]:
     return [
-        StylePreset(preset.name, preset.description, Style(preset.style))
+        StylePreset(
+            preset.name,
+            preset.description,
+            BeamStyle(preset.beam_style) if preset.HasField("beam_style") else Style(preset.style),
+        )
         for preset in message.presets
     ]
 
