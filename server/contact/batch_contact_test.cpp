@@ -65,16 +65,16 @@ class Among {
     }
     ASSERT_EQ(batch_.blocks().size(), 1U);
     first_point_ = FirstPoints(batch_, block());
+    for (const BodyGroup& group : groups_) group_list_.push_back(&group);
+    motions_.resize(groups_.size());
     memory_.resize(MemoryRows(points(), groups_.size()));
     Forget(memory_);
   }
   [[nodiscard]] uint32_t Step(const rod::ClampMotion& head, const rod::Surroundings& air,
                               const BodyMotion& body) {
     rod::SetDrive<float>(head, air, 0, kLanes, drive_);
-    const std::vector<GroupMotion> motions(groups_.size(), MotionOf(body, head));
-    std::vector<const BodyGroup*> groups;
-    for (const BodyGroup& group : groups_) groups.push_back(&group);
-    const BatchContact contact{step_, meetings_, groups, motions, settings};
+    motions_.assign(groups_.size(), MotionOf(body, head));
+    const BatchContact contact{step_, meetings_, group_list_, motions_, settings};
     return StepBlockAmong(contact, batch_, block(), first_point_, drive_, memory_, state_, scratch);
   }
   [[nodiscard]] State Get(int i) const {
@@ -96,6 +96,8 @@ class Among {
   const rod::KernelTable<float>& step_;
   const MeetingKernels& meetings_;
   std::vector<BodyGroup> groups_;
+  std::vector<const BodyGroup*> group_list_;
+  std::vector<GroupMotion> motions_;
   std::vector<std::unique_ptr<rod::Strand>> strands_;
   std::vector<math::Pose> roots_;
   std::vector<State> starts_;
