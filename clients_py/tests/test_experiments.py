@@ -14,7 +14,7 @@ from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 from scipy.special import jv
 
-from mane.experiments import beams, depth, gust, kirchhoff, modes, published
+from mane.experiments import depth, gust, kirchhoff, modes, published, swings
 from mane.experiments.buckling import Shaken
 from mane.experiments.fabrics import TILT, Sample
 from mane.experiments.pendulum import damped_wave
@@ -289,6 +289,6 @@ def test_curves_bend_back_where_they_have_an_inflection():
 def test_turning_points_of_a_damped_swing():
     times = np.arange(600) / 120
     swing = -np.exp(-1.2 * times) * np.cos(7 * times)  # It lags at first.
-    when, size = beams.turning_points(times, swing)
+    when, size = swings.turning_points(times, swing)
     np.testing.assert_allclose(np.diff(when), np.pi / 7, atol=1 / 120)
     np.testing.assert_allclose(-np.diff(np.log(size)), 1.2 * np.pi / 7, rtol=0.02)

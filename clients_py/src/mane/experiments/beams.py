@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import AbstractContextManager
-from itertools import takewhile
+from itertools import product
 
 import numpy as np
 
@@ -13,9 +13,11 @@ from mane.beams import AnimationModel, BeamMotion
 from mane.bodies import Material, ScalpContact
 from mane.client import Client
 from mane.demo import KINDS, RATE_HZ, Hair
+from mane.experiments.depth import Solid
 from mane.experiments.report import Report
 from mane.experiments.scene import kept
 from mane.experiments.sheet import draw_rows
+from mane.experiments.swings import STOPS_S, free_swing, shake, stop
 from mane.groom import Groom, GuideGeneration
 from mane.motion import Motion
 from mane.painter import Look, View
@@ -23,6 +25,8 @@ from mane.painter import Look, View
 HAIRS = (Hair.SMOOTH, Hair.WAVY, Hair.CURLY)
 HELIX, BEAM = AnimationModel.SUPER_HELIX, AnimationModel.BEAM
 NAMES = {HELIX: "Super-Helix", BEAM: "beam"}
+ON_SCALP = "on the scalp, stop"
+MOTIONS = {"free, stop": stop(), "free, shake": shake(), ON_SCALP: stop()}
 LENGTH_M = 0.25
 SEGMENTS = 24
 """So many that they are shorter than curls are wide: of longer ones nodes leap from turn to turn,
@@ -30,9 +34,6 @@ and the last lie beyond the hair's end."""
 CURVE_POINTS = 256
 SUBSTEPS = 4  # So that damping is the models' rather than the steps'.
 
-SPEED_M_S = 1.2
-BEGINS_S, STOPS_S, STOP_ENDS_S = 1.0, 1.7, 4.5
-SHAKE_HZ, SHAKE_M, SHAKE_S = 2.0, 0.02, 3.0
 CHANGES = {round(1.0 * RATE_HZ): BEAM, round(2.0 * RATE_HZ): HELIX}
 """Frames of the shake from which on hair has the model."""
 BEFORE = round(0.25 * RATE_HZ)
@@ -41,40 +42,37 @@ SHOWN_S = (0.0, 0.1, 0.25, 0.5, 1.0)
 """After the stop."""
 VIEW = View(20, 6, 0.72)
 
+DEEP_M = 3e-3
+EVERY = 6
+"""Of so many frames one is searched for points that are deep."""
+
 MOST_JUMP = 1.5
 MOST_OFF_REST_M = 5e-4
 MOST_STRETCH = 1e-4
-LEAST_SWING = 0.05
-"""Swings that are smaller than this part of the largest are not counted."""
 
 
 def run(client: Client, report: Report, quick: bool) -> None:
     guides, many, size = (16, 160, 160) if quick else (100, 2000, 320)
     head = mesh.mannequin()
-    motions = {"free, stop": stop(), "free, shake": shake(), "on the scalp, stop": stop()}
-    aside, moves, wavy = {}, {}, {}
+    solid, aside, moves, wavy = Solid(head), {}, {}, {}
     for hair in HAIRS:
-        for meets in (False, True):
+        for meets, names in ((False, ("free, stop", "free, shake")), (True, (ON_SCALP,))):
             with grown(client, head, hair, guides, meets) as groom:
-                for name in (n for n in motions if n.startswith("on") == meets):
-                    for model in NAMES:
-                        played = animated(client, groom, motions[name], {0: model})
-                        tips = played[:, :, -1, 0]
-                        aside[hair, name, model] = (tips - tips[0]).mean(axis=1)
-                        if model is BEAM:
-                            what = f"{hair}, {name}: most that a beam's segment is stretched by"
-                            report.at_most(what, stretch(played), MOST_STRETCH)
-                        if hair is Hair.WAVY and name == "on the scalp, stop":
-                            wavy[f"{hair}, {NAMES[model]}"] = played
+                for name, model in product(names, NAMES):
+                    played = animated(client, groom, MOTIONS[name], {0: model})
+                    tips = played[:, :, -1, 0]
+                    swing = aside[hair, name, model] = (tips - tips[0]).mean(axis=1)
+                    tell(report, f"{hair}, {name}", model, played, solid if meets else None)
+                    tell_swing(report, hair, name, model, swing)
+                    if hair is Hair.WAVY and meets:
+                        wavy[f"{hair}, {NAMES[model]}"] = played
                 if meets:
                     off = off_rest(client, groom)
                     what = f"{hair}: beams' nodes off the rods' rest shape"
                     report.at_most(what, 1e3 * off, 1e3 * MOST_OFF_REST_M, " mm")
                     moves[hair] = check_changes(client, report, hair, groom)
-        for name in motions:
-            tell_swings(report, f"{hair}, {name}", motions[name], aside, (hair, name))
     tell_times(client, report, head, many)
-    for name, motion in motions.items():
+    for name, motion in MOTIONS.items():
         columns = {
             f"{hair}_{model}_m".replace("-", "_"): aside[hair, name, model]
             for hair in HAIRS
@@ -86,7 +84,7 @@ def run(client: Client, report: Report, quick: bool) -> None:
     moments = {f"{after:g} s": round((STOPS_S + after) * RATE_HZ) for after in SHOWN_S}
     look = Look(KINDS[Hair.WAVY].hair_color, tip_part=KINDS[Hair.WAVY].tip_part, size=size)
     draw_rows(report.path("frames", ".png"), head, wavy, moments, VIEW, look)
-    plot(report, motions, aside, moves)
+    plot(report, aside, moves)
 
 
 def grown(
@@ -98,19 +96,6 @@ def grown(
     )
     contact = ScalpContact(Material.SKIN) if meets else None
     return kept(client, scalp=head, scalp_contact=contact, generate=generate)
-
-
-def stop() -> Motion:
-    """The head sets out softly, goes aside and stops at once."""
-    times = np.arange(round(STOP_ENDS_S * RATE_HZ) + 1) / RATE_HZ
-    speed = SPEED_M_S * 0.5 * (1 - np.cos(np.pi * np.minimum(times / BEGINS_S, 1)))
-    speed[times > STOPS_S] = 0
-    return Motion(times, np.outer(np.cumsum(speed) / RATE_HZ, (1, 0, 0)))
-
-
-def shake() -> Motion:
-    times = np.arange(round(SHAKE_S * RATE_HZ) + 1) / RATE_HZ
-    return Motion(times, np.outer(SHAKE_M * np.sin(2 * np.pi * SHAKE_HZ * times), (1, 0, 0)))
 
 
 def animated(
@@ -138,6 +123,32 @@ def stretch(nodes: np.ndarray) -> float:
     """The largest relative change of a segment's length."""
     lengths = np.linalg.norm(np.diff(nodes, axis=2), axis=3)
     return float(np.abs(lengths / lengths[0] - 1).max())
+
+
+def tell(
+    report: Report, what: str, model: AnimationModel, played: np.ndarray, solid: Solid | None
+) -> None:
+    """Lengths of beams, and where hair meets the scalp what of it goes through."""
+    if model is BEAM:
+        stretched = f"{what}: most that a beam's segment is stretched by"
+        report.at_most(stretched, stretch(played), MOST_STRETCH)
+    if solid is not None:
+        inside = f"{what}, {NAMES[model]}: part of points in the skin"
+        report.values[inside] = part_inside(solid, played)
+
+
+def tell_swing(report: Report, hair: Hair, name: str, model: AnimationModel, aside) -> None:
+    found = {"largest swing [mm]": float(1e3 * np.abs(aside).max())}
+    if name.endswith("stop"):
+        found = free_swing(MOTIONS[name], aside)
+    for what, value in found.items():
+        report.values[f"{hair}, {name}, {NAMES[model]}: {what}"] = value
+
+
+def part_inside(solid: Solid, points: np.ndarray) -> float:
+    """Of all but roots, how many are deeper than `DEEP_M` and not beyond reach, where most are."""
+    depths = solid.depths(points[::EVERY, :, 1:])
+    return float((depths > DEEP_M).mean(axis=(1, 2)).max())
 
 
 def off_rest(client: Client, groom: Groom) -> float:
@@ -169,33 +180,6 @@ def check_changes(client: Client, report: Report, hair: Hair, groom: Groom) -> n
     return moves
 
 
-def tell_swings(report: Report, what: str, motion: Motion, aside: dict, key: tuple) -> None:
-    """Half period, largest swing, decay: of what follows the stop; of the shake, the largest."""
-    for model, name in NAMES.items():
-        swing = aside[(*key, model)]
-        if not what.endswith("stop"):
-            report.values[f"{what}, {name}: largest swing [mm]"] = float(1e3 * np.abs(swing).max())
-            continue
-        free = motion.times_s > STOPS_S - 0.5 / RATE_HZ  # The hair still lags in the first frame.
-        times, sizes = turning_points(motion.times_s[free], swing[free])
-        report.values[f"{what}, {name}: largest swing [mm]"] = float(1e3 * sizes[0])
-        if len(times) > 1:
-            lasts = times[-1] - times[0]
-            report.values[f"{what}, {name}: half period [s]"] = float(lasts / (len(times) - 1))
-            report.values[f"{what}, {name}: decay [1/s]"] = float(
-                np.log(sizes[0] / sizes[-1]) / lasts
-            )
-
-
-def turning_points(times: np.ndarray, swing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """When a swing about zero is farthest on either side, and how far, after its first passage."""
-    passages = np.flatnonzero(np.diff(np.signbit(swing))) + 1
-    ways = np.split(np.arange(len(swing)), passages)[1:-1]
-    tops = [way[np.abs(swing[way]).argmax()] for way in ways]
-    counted = list(takewhile(lambda top: abs(swing[top]) > LEAST_SWING * abs(swing[tops[0]]), tops))
-    return times[counted], np.abs(swing[counted])
-
-
 def tell_times(client: Client, report: Report, head: mesh.Mesh, guides: int) -> None:
     """Median time that the server spends on a frame of the shake, a step each."""
     for meets, where in ((False, "free"), (True, "on the scalp")):
@@ -211,13 +195,13 @@ def tell_times(client: Client, report: Report, head: mesh.Mesh, guides: int) -> 
         )
 
 
-def plot(report: Report, motions: dict, aside: dict, moves: dict) -> None:
-    with report.figure("swing", columns=3, rows=len(motions), width=5) as every:
+def plot(report: Report, aside: dict, moves: dict) -> None:
+    with report.figure("swing", columns=3, rows=len(MOTIONS), width=5) as every:
         for axes, (hair, name) in zip(
-            every, ((hair, name) for name in motions for hair in HAIRS), strict=True
+            every, ((hair, name) for name in MOTIONS for hair in HAIRS), strict=True
         ):
             for model, label in NAMES.items():
-                axes.plot(motions[name].times_s, 100 * aside[hair, name, model], label=label)
+                axes.plot(MOTIONS[name].times_s, 100 * aside[hair, name, model], label=label)
             if name.endswith("stop"):
                 axes.axvline(STOPS_S, color="k", ls="--", lw=1, label="the head stops")
             axes.set(xlabel="time [s]", ylabel="tips aside, mean [cm]", title=f"{hair}, {name}")
