@@ -61,6 +61,32 @@ LAWS = {
         "crossed at 1 m/s: smallest distance over the sum of radii": (0.3, 1.1),
     },
     "cohesion": {"curly: spread of the tips with wisps over without": (0.1, 0.7)},
+    "gust": {
+        "polar: nodes off the recurrences over the length": (0, 1e-3),
+        "across: nodes off the recurrences over the length": (0, 1e-5),
+        "polar: part of tip segments that still rise in frame 20": (0.8, 1),
+        "polar: part of root segments that still rise in frame 20": (0, 0.3),
+        "polar: inflections of a hair, frame 20": (0.8, 1.2),
+    },
+    "bangs": {
+        "the field as it is: nodes inside at most, of all": (250, 500),
+        "pseudo-force: nodes inside until frame 10": (0, 0),
+        "nodes turned out: nodes inside at any time": (0, 0),
+        "pseudo-force: nodes off the recurrences over the length": (0, 1e-5),
+    },
+    "flutter": {
+        "sigma = 12 degrees: largest turn of a joint": (11, 12.01),
+        "mean turn of joints, free over limited": (1.3, 3),
+        "tips moved by fluctuation, limited over free": (1.3, 10),
+    },
+    "beams": {
+        "smooth, free, stop: most that a beam's segment is stretched by": (0, 1e-4),
+        "curly: beams' nodes off the rods' rest shape": (0, 0.5),
+        "wavy: motion in the frame of a change to beam, over that before": (0, 1.5),
+        "wavy: motion in the frame of a change to Super-Helix, over that before": (0, 1.5),
+        "wavy, free, stop, Super-Helix: half period [s]": (0.2, 0.35),
+        "wavy, free, stop, beam: half period [s]": (0.2, 0.35),
+    },
 }  # fmt: skip
 
 

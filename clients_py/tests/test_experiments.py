@@ -10,13 +10,15 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_bvp
 from scipy.optimize import brentq
+from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 from scipy.special import jv
 
-from mane.experiments import depth, kirchhoff, modes
+from mane.experiments import depth, gust, kirchhoff, modes, published, swings
 from mane.experiments.buckling import Shaken
 from mane.experiments.fabrics import TILT, Sample
 from mane.experiments.pendulum import damped_wave
+from mane.experiments.recurrences import Across, Polar, PseudoForce, integrate
 from mane.experiments.report import Report
 from mane.experiments.scene import UP, slab, straight_hair
 from mane.experiments.walker import NECK, walker
@@ -214,3 +216,79 @@ def test_a_body_that_walks_swings_its_arms(recorded):
         below = hands - motion.positions
         assert below[:, 1].max() < -0.4 and np.abs(below[:, 0]).max() < 0.45
         assert np.ptp(below[:, 2]) > 0.1
+
+
+def test_published_numbers_are_those_of_the_paper():
+    segment = np.arange(1, 19)
+    np.testing.assert_allclose(published.push(), 3 * 0.1**2 * segment / (2 * 18**3))
+    # What the server makes of it: lambda_i = lambda_k i / k, in steps of 1/60 s.
+    for d in (1.0, 0.4):
+        served = published.tip_response(d) * segment / 18 / 60**2
+        np.testing.assert_allclose(served, published.push(d))
+
+
+@pytest.mark.parametrize("begin", (Polar.begin, Across.begin))
+def test_recurrences_swing_at_the_frequency_of_their_eigenvalues(begin):
+    """About the field's direction: by 2 asin(dt sqrt(lambda |F|) / 2) of a period in a step."""
+    push, field, steps = 0.004, np.array((0.0, 0.0, 100.0)), 400
+    rest = np.array([[(0, 0, 0), (0, 1e-3, 1), (0, 2e-3, 2)]])  # In the plane of Y and the field.
+    nodes = integrate(begin, rest, [field] * steps, np.full(2, push))
+    tilt = nodes[:, 0, 1, 1]
+    turn = 2 * np.arcsin(np.sqrt(push * 100) / 2)
+    # Still at first: x_{-1} = x_0, half a step before which the swing is farthest.
+    expected = tilt[0] * np.cos(turn * (np.arange(steps + 1) + 0.5)) / np.cos(turn / 2)
+    np.testing.assert_allclose(tilt, expected, atol=2e-3 * tilt[0])
+
+
+def test_equations_agree_in_a_plane_of_the_axis():
+    bent = np.array([[(0, 0, 0), (0, 0.2, 1), (0, -0.1, 2), (0, -1, 2)]])
+    fields = [(0, -20.0, 15.0)] * 40
+    polar, across = (
+        integrate(begin, bent, fields, np.full(3, 1e-4)) for begin in (Polar.begin, Across.begin)
+    )
+    # Across, steps of delta turn by delta^3 / 12 less.
+    np.testing.assert_allclose(polar, across, atol=1e-3)
+    assert np.abs(polar[-1] - polar[0]).max() > 0.5
+    lengths = np.linalg.norm(np.diff(across, axis=2), axis=3)
+    np.testing.assert_allclose(lengths, np.broadcast_to(lengths[0], lengths.shape))
+
+
+def test_the_pseudo_force_counts_where_hair_is_pressed_on_the_head_nearby():
+    weak = PseudoForce(np.array((1.0, 2.0, 1.0)), alpha=-0.75, near_m=0.2, epsilon=0.1)
+    F = np.array((0.0, 0.0, -5.0))
+    ends = np.array([(0, 0, 1.1), (0, 0, 1.5), (0, 0, -1.1), (0, 2.1, 0), (0.3, 0, 1.1)])
+    counts = weak.at(ends, F)[:, 2] / F[2]
+    np.testing.assert_allclose(counts, (0.1, 1, 1, 1, 0.1))
+
+
+def test_pores_lie_evenly_in_their_cap():
+    axis = np.array((0, 0.8, -0.6))
+    zenith, azimuth = published.pores(2000, axis, 1.3).T
+    out = np.stack(
+        [np.sin(zenith) * np.sin(azimuth), np.cos(zenith), np.sin(zenith) * np.cos(azimuth)], 1
+    )
+    cosine = out @ axis
+    assert cosine.min() > np.cos(1.3)
+    # Area goes with the cosine.
+    np.testing.assert_allclose(cosine.mean(), (1 + np.cos(1.3)) / 2, atol=1e-3)
+    apart = KDTree(out).query(out, k=2)[0][:, 1]
+    assert apart.min() > 0.5 * apart.mean()
+
+
+def test_curves_bend_back_where_they_have_an_inflection():
+    s = np.linspace(0, 2 * np.pi, 19)
+    wave, arch = (
+        np.stack([0 * s, y, s], axis=1)[None, None] for y in (0.3 * np.sin(s), 0.3 * np.sin(s / 2))
+    )
+    assert published.inflections(wave) == 1 and published.inflections(arch) == 0
+    assert gust.bends_back(wave) > 20 and gust.bends_back(arch) == 0
+    turns = published.turns(arch)
+    assert 0 < turns.max() < 0.2
+
+
+def test_turning_points_of_a_damped_swing():
+    times = np.arange(600) / 120
+    swing = -np.exp(-1.2 * times) * np.cos(7 * times)  # It lags at first.
+    when, size = swings.turning_points(times, swing)
+    np.testing.assert_allclose(np.diff(when), np.pi / 7, atol=1 / 120)
+    np.testing.assert_allclose(-np.diff(np.log(size)), 1.2 * np.pi / 7, rtol=0.02)
