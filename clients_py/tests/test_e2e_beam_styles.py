@@ -71,6 +71,16 @@ def test_colours_are_dark_brown_of_many_shades(styled):
     assert 50 < red.mean() < 100 and red.std() > 5
 
 
+def test_hair_that_is_drawn_back_stands_without_what_draws_it(client):
+    presets = {preset.name: preset.style for preset in client.style_presets()}
+    style = mane.BeamStyle(presets["beam-swept-back"].message, guide_count=30)
+    finish(client, client.apply_style(style, scalp=mane.mesh.mannequin(), groom_id="drawn-back"))
+    summary = client.import_report("drawn-back").summary
+    client.delete_groom("drawn-back")
+    assert summary.largest_stiffness_factor > 4
+    assert summary.not_held_count == 0
+
+
 def test_the_groom_opens_as_a_head_that_holds_the_hair(client, styled):
     hairstyle, groom = styled
     assert hairstyle.report.groom == groom.name

@@ -9,6 +9,8 @@
 namespace mane::rpc {
 namespace {
 
+// Where the style does not say how much stiffer guides may become to hold their shape.
+constexpr double kStyledStiffnessFactor = 100;
 constexpr const char* kWispCount = "header.style.wisp_count";
 constexpr const char* kGuideCount = "header.beam_style.guide_count";
 
@@ -26,6 +28,9 @@ Result<void> AdmitSeconds(double seconds, size_t guides, const groom::Limits& li
 
 Result<groom::ImportOptions> ToGuideOptions(const v1::ApplyStyleHeader& header) {
   auto options = ToImportOptions(header.guides());
+  if (options && !header.guides().has_max_stiffness_factor()) {
+    options->max_stiffness_factor = kStyledStiffnessFactor;
+  }
   Result<void> valid;
   if (options) valid = groom::ValidateImportOptions(*options);
   const Error* wrong = !options ? &options.error() : !valid ? &valid.error() : nullptr;

@@ -185,6 +185,9 @@ def apply(
     report = hairstyle.report
     out.print(f"{report.groom}: {report.wisp_count} guides, {report.strand_count} hairs")
     _print_report(hairstyle)
+    sagging = client.import_report(report.groom).summary.not_held_count
+    if sagging:
+        out.print(f"{sagging} guides do not hold their shape: see `mane groom report`")
     out.print(f"made by {job.name}")
     if npz:
         hairstyle.save(npz)

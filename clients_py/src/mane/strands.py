@@ -75,7 +75,8 @@ class ImportOptions:
       hold: False takes the fitted shapes for the natural ones, as for strands that were modelled
         without weight; they then sag.
       max_stiffness_factor: hair too soft for its shape buckles; its Young's modulus is raised by
-        the least factor that holds it, at most this one, 1 to 1000. None is 4.
+        the least factor that holds it, at most this one, 1 to 1000. None is 4; 100 for the guides of
+        a style.
       stability_margin: how far from buckling a held shape must be, 0 to 0.9. None is 0.1.
       wisp_radius_m: of all guides, as in `Guide`.
     """
