@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace mane::beam {
 namespace {
@@ -40,6 +41,16 @@ Polar PolarOf(const Hull& hull, const Vector3d& point) {
   const Vector3d u = (point - hull.center).cwiseQuotient(hull.radii);
   const double across = std::hypot(u.x(), u.z());
   return {std::atan2(across, u.y()), across > 0 ? std::atan2(u.x(), u.z()) : 0};
+}
+
+// A coordinate where the hull is the unit ball is a sum of three products and an offset that come
+// to (2 |c| + r) / r_min at most. It rounds by 2.5 epsilon of that, and by what its node does by
+// half a float's; E rounds by sqrt(12) times as much and 1.5 epsilon, and radii that grow by a
+// share lift it by twice that.
+Hull Lifted(const Hull& hull, double epsilon) {
+  const double rounding = 5.5 * epsilon + std::numeric_limits<float>::epsilon();
+  const double largest = 2 * hull.center.norm() + hull.radii.maxCoeff();
+  return {hull.center, hull.radii * (1 + rounding * largest / hull.radii.minCoeff())};
 }
 
 Result<Hull> FitHull(std::span<const Eigen::Vector3f> points) {

@@ -18,6 +18,9 @@ using layout::kLanes;
 constexpr uint64_t kFluctuationPeriod = 10;
 
 template <typename T>
+constexpr double kEpsilon = std::numeric_limits<T>::epsilon();
+
+template <typename T>
 void Fill(const Matrix3d& M, T (&rows)[9]) {
   for (int i = 0; i < 9; ++i) rows[i] = static_cast<T>(M(i / 3, i % 3));
 }
@@ -92,6 +95,7 @@ MotionBatch<T>::MotionBatch(int segments, std::span<const MotionHair> hairs,
     : segments_(segments),
       hair_count_(static_cast<int>(hairs.size())),
       settings_(settings),
+      lifted_(settings.hull ? Lifted(*settings.hull, kEpsilon<T>) : Hull()),
       gravity_(gravity) {
   MANE_CHECK(segments >= 1);
   MANE_CHECK(settings.epsilon.empty() || static_cast<int>(settings.epsilon.size()) == segments);
@@ -163,10 +167,10 @@ layout::MotionShape<T> MotionBatch<T>::Shape() const {
   shape.alpha = static_cast<T>(settings_.alpha);
   shape.twice_near = static_cast<T>(2 * settings_.near);
   shape.fluctuation = static_cast<T>(settings_.fluctuation);
-  const Hull unit;
-  const Hull& shown = hull ? *settings_.hull : unit;
-  Fill<T>(shown.center, shape.center);
-  Fill<T>(shown.radii.cwiseInverse(), shape.inverse_radii);
+  Fill<T>(lifted_.center.cwiseQuotient(lifted_.radii), shape.center);
+  // Angles that turn by four epsilon move E by twice that, over the least radius.
+  shape.reach_per_length =
+      shape.polar ? static_cast<T>(8 * kEpsilon<T> / lifted_.radii.minCoeff()) : T(0);
   shape.segment = numbers_.data();
   return shape;
 }
@@ -185,8 +189,7 @@ layout::MotionStep<T> MotionBatch<T>::StepNumbers(int block, const MotionDrive& 
 
   layout::MotionStep<T> step;
   Fill<T>(R, step.R);
-  const Vector3d radii = settings_.hull ? settings_.hull->radii : Vector3d::Ones();
-  Fill<T>(radii.cwiseInverse().asDiagonal() * R.transpose(), step.to_hull);
+  Fill<T>(lifted_.radii.cwiseInverse().asDiagonal() * R.transpose(), step.to_hull);
   Fill<T>(drive.velocity, step.velocity);
   Fill<T>(turning, step.turning);
   Fill<T>(drive.gravity - R * gravity_ - (drive.velocity - drive.velocity_before) / dt, step.field);

@@ -20,7 +20,6 @@ namespace {
 using Eigen::Vector3d;
 using fixtures::Angle;
 using fixtures::Free;
-using fixtures::Level;
 using fixtures::Moving;
 using fixtures::OwnHair;
 using fixtures::Random;
@@ -55,20 +54,19 @@ TYPED_TEST(MotionHullTest, NoNodeIsInside) {
       if (kind & 4) settings.largest_turn.assign(10, 0.4F), settings.fluctuation = 0.2;
       std::vector<OwnHair> hairs;
       for (int i = 0; i < 32; ++i) {
-        OwnHair& hair = hairs.emplace_back(random.AnyHair(10, kHull));
-        hair.rest[0] = fixtures::HalfGradient(kHull, hair.root).normalized();
+        OwnHair& hair = hairs.emplace_back(fixtures::AnyHair(random, 10, kHull));
+        hair.rest[0] = kHull.Gradient(hair.root).normalized();
       }
       Moving<T> moving(hairs, settings, {0, -9.81, 0});
       for (int step = 0; step < 150; ++step) {
-        MotionDrive drive = random.AnyDrive(random.Uniform(0.005, 0.05));
+        MotionDrive drive = fixtures::AnyDrive(random, random.Uniform(0.005, 0.05));
         drive.frame = step;
         drive.gravity = random.Vector(step % 10 == 0 ? 1e5 : 100);
         moving.Step(kernels, drive);
         for (int i = 0; i < 32; ++i) {
           const auto nodes = LocalNodes(moving, kernels, i, drive.head);
           for (size_t s = 1; s < nodes.size(); ++s) {
-            ASSERT_GE(Level(kHull, nodes[s]), 0)
-                << "step " << step << " hair " << i << " node " << s;
+            ASSERT_GE(kHull.At(nodes[s]), 0) << "step " << step << " hair " << i << " node " << s;
           }
         }
       }
@@ -86,9 +84,9 @@ TYPED_TEST(MotionHullTest, NodesAreTurnedOutAsLittleAsItTakes) {
       settings.hull = kHull;
       std::vector<OwnHair> hairs;
       for (int i = 0; i < 200; ++i) {
-        OwnHair& hair = hairs.emplace_back(random.AnyHair(2, kHull));
+        OwnHair& hair = hairs.emplace_back(fixtures::AnyHair(random, 2, kHull));
         hair.segment_length = 0.02;
-        hair.rest[0] = fixtures::HalfGradient(kHull, hair.root).unitOrthogonal();
+        hair.rest[0] = kHull.Gradient(hair.root).unitOrthogonal();
       }
       Moving<T> moving(hairs, settings), through(hairs, free);
       const MotionDrive drive = Still(random.Vector(1e4), 0.05);
@@ -99,11 +97,11 @@ TYPED_TEST(MotionHullTest, NodesAreTurnedOutAsLittleAsItTakes) {
         const auto e = moving.Directions(i), was = through.Directions(i);
         const Vector3d node = moving.Nodes(kernels, i)[2];
         const Vector3d would = through.Nodes(kernels, i)[2];
-        if (Level(kHull, would) > 1e-4) {
+        if (kHull.At(would) > 1e-4) {
           EXPECT_LT((e[1] - was[1]).norm(), 1e-6);
-        } else if (Level(kHull, would) < -1e-4) {
+        } else if (kHull.At(would) < -1e-4) {
           ++turned;
-          EXPECT_LT(Level(kHull, node), 1e-4) << i;
+          EXPECT_LT(kHull.At(node), 1e-4) << i;
           const Vector3d normal = e[0].cross(was[1]);
           if (normal.norm() > 0.1) {
             EXPECT_LT(std::abs(normal.normalized().dot(e[1])), 1e-4);
@@ -113,7 +111,7 @@ TYPED_TEST(MotionHullTest, NodesAreTurnedOutAsLittleAsItTakes) {
           const Vector3d u = was[1], v = (e[1] - e[1].dot(u) * u).normalized();
           for (const double part : {0.3, 0.6, 0.95}) {
             const Vector3d nearer = std::cos(part * angle) * u + std::sin(part * angle) * v;
-            EXPECT_LT(Level(kHull, moving.Nodes(kernels, i)[1] + 0.02 * nearer), 1e-5);
+            EXPECT_LT(kHull.At(moving.Nodes(kernels, i)[1] + 0.02 * nearer), 1e-5);
           }
         }
       }
@@ -131,27 +129,27 @@ TYPED_TEST(MotionHullTest, HairLeavesTheHull) {
     settings.clamped = false;
     std::vector<OwnHair> hairs;
     for (int i = 0; i < 32; ++i) {
-      OwnHair& hair = hairs.emplace_back(random.AnyHair(20, kHull));
+      OwnHair& hair = hairs.emplace_back(fixtures::AnyHair(random, 20, kHull));
       hair.segment_length = 0.01;
       hair.root = kHull.center + 0.7 * (hair.root - kHull.center);
     }
     Moving<T> moving(hairs, settings);
     for (int step = 0; step < 50; ++step) {
-      const MotionDrive drive = random.AnyDrive(0.02);
+      const MotionDrive drive = fixtures::AnyDrive(random, 0.02);
       moving.Step(kernels, drive);
       for (int i = 0; i < 32; ++i) {
         const auto nodes = LocalNodes(moving, kernels, i, drive.head);
         bool out = false;
         for (int s = 1; s <= 20; ++s) {
-          const double level = Level(kHull, nodes[s]);
+          const double level = kHull.At(nodes[s]);
           if (!out) {
-            EXPECT_GT(level, Level(kHull, nodes[s - 1]));
+            EXPECT_GT(level, kHull.At(nodes[s - 1]));
           }
           EXPECT_TRUE(!out || level >= 0);
           out |= level >= 0;
         }
         // 0.3 of a radius below it, at most 33 mm.
-        EXPECT_GE(Level(kHull, nodes[5]), 0);
+        EXPECT_GE(kHull.At(nodes[5]), 0);
       }
     }
   });
@@ -176,7 +174,7 @@ TEST(MotionContactTest, PressedHairLiesStill) {
     for (int i = 0; i < 30; ++i) {
       for (const Vector3d& step : moving.Steps(i)) ASSERT_LT(step.norm(), 1e-3) << i;
       // It lies on the hull.
-      EXPECT_LT(Level(kHull, moving.Nodes(fixtures::Kernels(), i)[3]), 1e-3);
+      EXPECT_LT(kHull.At(moving.Nodes(fixtures::Kernels(), i)[3]), 1e-3);
     }
     // Released, it keeps on lying there.
     std::vector<std::vector<Vector3d>> lay;
@@ -198,11 +196,11 @@ TYPED_TEST(MotionHullTest, JointsTurnNoFurtherThanTheyMay) {
       settings.fluctuation = 0.3;
       settings.largest_turn = {3, 0, 0.02F, 0.17F, 0.26F, 1, 2, static_cast<float>(pi)};
       std::vector<OwnHair> hairs;
-      for (int i = 0; i < 20; ++i) hairs.push_back(random.AnyHair(8, kHull));
+      for (int i = 0; i < 20; ++i) hairs.push_back(fixtures::AnyHair(random, 8, kHull));
       Moving<T> moving(hairs, settings);
       int at_limit = 0;
       for (int step = 0; step < 60; ++step) {
-        MotionDrive drive = random.AnyDrive(0.02);
+        MotionDrive drive = fixtures::AnyDrive(random, 0.02);
         drive.frame = step;
         moving.Step(kernels, drive);
         for (int i = 0; i < 20; ++i) {

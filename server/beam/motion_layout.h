@@ -60,7 +60,9 @@ struct MotionShape {
   bool holds;    ///< Whether any K is above 0.
   T alpha, twice_near;
   T fluctuation;                     ///< [rad]
-  T center[3], inverse_radii[3];     ///< Of the hull, head frame.
+  T center[3];                       ///< Of the hull, where it is the unit ball.
+  T reach_per_length;                ///< E that a node needs of the length of its segment
+                                     ///< [1/m] (B6).
   const SegmentNumbers<T>* segment;  ///< (segments)
 };
 

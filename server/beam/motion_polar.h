@@ -3,18 +3,18 @@
 /// Segments by zenith and azimuth, as published (beam.md, B7 to B9); only for sources that define
 /// MANE_ISA.
 
-#include "beam/motion_hull.h"
+#include "beam/motion_turns.h"
+#include "simd/angles.h"
 
 namespace mane::beam {
 namespace MANE_ISA {
 
 /// Hairs whose segments are given by angles and their steps, Equations::kPolar.
 template <typename T, int W>
-struct PolarSegment : AtHull<T, W> {
-  using Base = AtHull<T, W>;
+struct PolarSegment : Turns<T, W> {
+  using Base = Turns<T, W>;
   using Base::Put;
   using Base::Row;
-  using Base::Scaled;
   using typename Base::V;
   using typename Base::Vec;
   static constexpr int kRows = layout::kPolarState;
@@ -46,7 +46,7 @@ struct PolarSegment : AtHull<T, W> {
   [[gnu::always_inline]] Vec Step(const Load<V>& load, const Vec& F) {
     const V size = Sqrt(Dot(F, F));
     LeaveAxis(F, size);
-    const Vec u{ct * sf, -st, ct * cf}, v{cf, V{}, -sf};
+    const Vec u = U(), v = Azimuthal();
     const Vec rides = Cross(load.head_step, AtAngles());
     const V lever = st < T(0) ? -st : st, x = load.bound * size;
     t_step = (t_step + load.push * Dot(F, u) + load.friction * Dot(rides, u)) /
@@ -58,21 +58,21 @@ struct PolarSegment : AtHull<T, W> {
     Take();
     return AtAngles();
   }
-  [[gnu::always_inline]] Vec LastStep() const {
-    return Scaled(t_step, {ct * sf, -st, ct * cf}) + Scaled(f_step * st, {cf, V{}, -sf});
-  }
+  [[gnu::always_inline]] Vec LastStep() const { return t_step * U() + (f_step * st) * Azimuthal(); }
   [[gnu::always_inline]] void Fluctuate(const Vec& /*from*/, const Vec& to) {
     SetDirection(t == t, to);
   }
   template <typename M>
   [[gnu::always_inline]] void Correct(const M& moved, const Vec& to, const Vec& step) {
     SetDirection(moved, to);
-    const Vec u{ct * sf, -st, ct * cf}, v{cf, V{}, -sf};
+    const Vec u = U(), v = Azimuthal();
     const auto plain = (st > kAxis) | (st < -kAxis);
     t_step = moved ? Dot(step, u) : t_step;
     const V turn = plain ? Dot(step, v) / (plain ? st : V{} + 1) : V{}, most = V{} + kMostTurn;
     f_step = moved ? (turn > most ? most : (turn < -most ? -most : turn)) : f_step;
   }
+  /// What is kept of a direction that it was put to: that of the angles.
+  [[gnu::always_inline]] Vec Kept(const Vec& /*to*/) const { return AtAngles(); }
   [[gnu::always_inline]] void Write(const Vec& /*to*/, T* state) const {
     Put(t, state, layout::kZenith), Put(f, state, layout::kAzimuth);
     Put(t_step, state, layout::kZenithStep), Put(f_step, state, layout::kAzimuthStep);
@@ -86,6 +86,9 @@ struct PolarSegment : AtHull<T, W> {
     simd::MANE_ISA::SinCos<T>(f, sf, cf);
   }
   [[gnu::always_inline]] Vec AtAngles() const { return {st * sf, ct, st * cf}; }
+  // u and v of B7.
+  [[gnu::always_inline]] Vec U() const { return {ct * sf, -st, ct * cf}; }
+  [[gnu::always_inline]] Vec Azimuthal() const { return {cf, V{}, -sf}; }
 
   static float Angle(float y, float x) { return __builtin_atan2f(y, x); }
   static double Angle(double y, double x) { return __builtin_atan2(y, x); }

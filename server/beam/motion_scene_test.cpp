@@ -19,7 +19,6 @@ namespace {
 using Eigen::Vector3d;
 using fixtures::Angle;
 using fixtures::Kernels;
-using fixtures::Level;
 using fixtures::Moving;
 using fixtures::OwnHair;
 using fixtures::Still;
@@ -41,7 +40,7 @@ OwnHair Hair(double zenith, double azimuth, double d, double fall) {
     e = (e - fall * Vector3d::UnitY()).normalized();
     hair.rest.push_back(e);
     node += d * e;
-    EXPECT_GT(Level(kHead, node), 0);
+    EXPECT_GT(kHead.At(node), 0);
   }
   hair.response = PublishedResponse(d, 1, kSegments);
   hair.hold.assign(kSegments, 0.0);
@@ -127,7 +126,7 @@ TEST(MotionSceneTest, BangsStayOffTheForehead) {
     }
     int count = 0;
     for (int i = 0; i < moving.count(); ++i) {
-      for (const Vector3d& node : moving.Nodes(Kernels(), i)) count += Level(kHead, node) < -1e-9;
+      for (const Vector3d& node : moving.Nodes(Kernels(), i)) count += kHead.At(node) < -1e-9;
     }
     return count;
   };
