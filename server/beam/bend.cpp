@@ -45,7 +45,7 @@ Vector3d AccelerationAt(const BendField& field, uint32_t mask, const Hull& hull,
   Vector3d a = field.gravity;
   for (size_t f = 0; f < field.forces.size(); ++f) {
     const Force& force = field.forces[f];
-    const auto holds = [&](const HalfSpace& half) { return half.normal.dot(point) >= half.offset; };
+    const auto holds = [&](const HalfSpace& half) { return half.HeightOf(point) >= 0; };
     if ((mask >> f & 1) == 0 || !std::ranges::all_of(force.where, holds)) continue;
     const Vector3d way = force.point - point;
     const Vector3d pull = force.strength / std::max(way.norm(), force.softening) * way;

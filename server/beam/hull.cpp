@@ -23,6 +23,11 @@ Error Unfit(const std::string& why) { return InvalidArgument({}, "the points " +
 
 }  // namespace
 
+Vector3d DirectionOf(double zenith, double azimuth) {
+  const double across = std::sin(zenith);
+  return {across * std::sin(azimuth), std::cos(zenith), across * std::cos(azimuth)};
+}
+
 double Hull::At(const Vector3d& point) const {
   return (point - center).cwiseQuotient(radii).squaredNorm() - 1;
 }
@@ -32,9 +37,7 @@ Vector3d Hull::Gradient(const Vector3d& point) const {
 }
 
 Vector3d Hull::Point(double zenith, double azimuth) const {
-  const Vector3d direction(std::sin(zenith) * std::sin(azimuth), std::cos(zenith),
-                           std::sin(zenith) * std::cos(azimuth));
-  return center + radii.cwiseProduct(direction);
+  return center + radii.cwiseProduct(DirectionOf(zenith, azimuth));
 }
 
 Polar PolarOf(const Hull& hull, const Vector3d& point) {

@@ -9,6 +9,9 @@
 
 namespace mane::beam {
 
+/// The unit vector at a zenith angle [rad] from +Y and an azimuth [rad] from +Z toward +X (B7).
+[[nodiscard]] Eigen::Vector3d DirectionOf(double zenith, double azimuth);
+
 /// The ellipsoid that stands for a head, its axes along the head frame's: E(p) = |(p - center) /
 /// radii|^2 - 1 (beam.md, B1).
 struct Hull {

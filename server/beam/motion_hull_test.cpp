@@ -43,30 +43,33 @@ std::vector<Vector3d> LocalNodes(const Moving<T>& moving, const KernelTable<T>& 
 
 TYPED_TEST(MotionHullTest, NoNodeIsInside) {
   using T = TypeParam;
+  constexpr int kSegments = 30, kHairs = 32;
   this->ForEveryIsa([&](const KernelTable<T>& kernels) {
-    for (int kind = 0; kind < 8; ++kind) {
+    for (int kind = 0; kind < 16; ++kind) {
       SCOPED_TRACE(testing::Message() << "kind " << kind);
       Random random(500 + kind);
       MotionSettings settings;
       settings.equations = kind & 1 ? Equations::kPolar : Equations::kAcross;
       settings.clamped = kind & 2;
-      settings.hull = kHull;
-      if (kind & 4) settings.largest_turn.assign(10, 0.4F), settings.fluctuation = 0.2;
+      if (kind & 4) settings.largest_turn.assign(kSegments, 0.4F), settings.fluctuation = 0.2;
+      const Hull hull = kind & 8 ? random.AnyHull() : kHull;
+      settings.hull = hull;
       std::vector<OwnHair> hairs;
-      for (int i = 0; i < 32; ++i) {
-        OwnHair& hair = hairs.emplace_back(fixtures::AnyHair(random, 10, kHull));
-        hair.rest[0] = kHull.Gradient(hair.root).normalized();
+      for (int i = 0; i < kHairs; ++i) {
+        OwnHair& hair = hairs.emplace_back(fixtures::AnyHair(random, kSegments, hull));
+        hair.rest[0] = hull.Gradient(hair.root).normalized();
+        hair.segment_length = random.LogUniform(0.001, 1) * hull.radii.minCoeff();
       }
       Moving<T> moving(hairs, settings, {0, -9.81, 0});
-      for (int step = 0; step < 150; ++step) {
+      for (int step = 0; step < 60; ++step) {
         MotionDrive drive = fixtures::AnyDrive(random, random.Uniform(0.005, 0.05));
         drive.frame = step;
         drive.gravity = random.Vector(step % 10 == 0 ? 1e5 : 100);
         moving.Step(kernels, drive);
-        for (int i = 0; i < 32; ++i) {
+        for (int i = 0; i < kHairs; ++i) {
           const auto nodes = LocalNodes(moving, kernels, i, drive.head);
           for (size_t s = 1; s < nodes.size(); ++s) {
-            ASSERT_GE(kHull.At(nodes[s]), 0) << "step " << step << " hair " << i << " node " << s;
+            ASSERT_GE(hull.At(nodes[s]), 0) << "step " << step << " hair " << i << " node " << s;
           }
         }
       }
@@ -162,11 +165,9 @@ TEST(MotionContactTest, PressedHairLiesStill) {
     settings.hull = kHull;
     std::vector<OwnHair> hairs;
     for (int i = 0; i < 30; ++i) {
-      const double zenith = 0.1 + 0.01 * i;
-      const Vector3d ball(std::sin(zenith) * std::sin(i), std::cos(zenith),
-                          std::sin(zenith) * std::cos(i));
+      const Vector3d ball = DirectionOf(0.1 + 0.01 * i, i);
       OwnHair& hair = hairs.emplace_back(Free(6, Vector3d::UnitY() + 0.1 * ball, 20));
-      hair.root = kHull.center + kHull.radii.cwiseProduct(ball);
+      hair.root = kHull.Point(0.1 + 0.01 * i, i);
       hair.drag = 2;
     }
     Moving<double> moving(hairs, settings);

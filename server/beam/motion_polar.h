@@ -19,11 +19,7 @@ struct PolarSegment : Turns<T, W> {
   using typename Base::Vec;
   static constexpr int kRows = layout::kPolarState;
 
-  // Below this |sin t| the azimuth says nothing any more, and is that of F.
-  static constexpr T kAxis = T(1e-4);
-  // Of a correction's step of f [rad]: near the axis a short way is a long turn, which would go on
-  // far from it.
-  static constexpr T kMostTurn = T(1.25);
+  static constexpr T kAxis = T(layout::kAxis), kMostTurn = T(layout::kMostTurn);
 
   V t, f, t_step, f_step;
   Vec e;
@@ -108,7 +104,7 @@ struct PolarSegment : Turns<T, W> {
     if (!Any(axis)) return;
     const V inverse = T(1) / (axis ? level : V{} + 1);
     const V kept = inverse * (sf * F.x + cf * F.z);
-    t = axis & (kept < T(0)) ? -t : t;
+    t = (axis & (kept < T(0))) ? -t : t;
     f = axis ? Angles(F.x, F.z) : f;
     t_step = axis ? kept * t_step : t_step;
     f_step = axis ? V{} : f_step;
@@ -120,7 +116,7 @@ struct PolarSegment : Turns<T, W> {
     const V level = Sqrt(to.x * to.x + to.z * to.z);
     const V sign = sf * to.x + cf * to.z < T(0) ? V{} - 1 : V{} + 1;
     t = which ? Angles(sign * level, to.y) : t;
-    f = which & (level > T(1e-9)) ? Angles(sign * to.x, sign * to.z) : f;
+    f = (which & (level > T(1e-9))) ? Angles(sign * to.x, sign * to.z) : f;
     Take();
   }
 };

@@ -31,11 +31,9 @@ const Hull kHead{Vector3d::Zero(), {6, 8, 7}};
 // larger `fall`.
 OwnHair Hair(double zenith, double azimuth, double d, double fall) {
   OwnHair hair;
-  const Vector3d ball(std::sin(zenith) * std::sin(azimuth), std::cos(zenith),
-                      std::sin(zenith) * std::cos(azimuth));
-  hair.root = kHead.radii.cwiseProduct(ball);
+  hair.root = kHead.Point(zenith, azimuth);
   hair.segment_length = d;
-  Vector3d e = ball.cwiseQuotient(kHead.radii).normalized(), node = hair.root;
+  Vector3d e = kHead.Gradient(hair.root).normalized(), node = hair.root;
   for (int i = 0; i < kSegments; ++i) {
     e = (e - fall * Vector3d::UnitY()).normalized();
     hair.rest.push_back(e);

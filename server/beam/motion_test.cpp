@@ -89,12 +89,9 @@ TYPED_TEST(MotionTest, EqualsTheReference) {
         // float32; what is beyond it on that hair differs then.
         for (int s = 0; s < kSegments; ++s) {
           ++compared;
-          const Vector3d right =
-              settings.equations == Equations::kPolar
-                  ? Vector3d(std::sin(expected[i].angles[s].t) * std::sin(expected[i].angles[s].f),
-                             std::cos(expected[i].angles[s].t),
-                             std::sin(expected[i].angles[s].t) * std::cos(expected[i].angles[s].f))
-                  : expected[i].e[s];
+          const Vector3d right = settings.equations == Equations::kPolar
+                                     ? DirectionOf(expected[i].angles[s].t, expected[i].angles[s].f)
+                                     : expected[i].e[s];
           const double error = (e[s] - right).norm();
           if (single && error > tolerance) {
             ++far;

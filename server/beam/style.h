@@ -27,6 +27,11 @@ struct PoreRegion {
 struct HalfSpace {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitY();  ///< Any length but 0.
   double offset = 0;                                  ///< [m] for a unit normal.
+
+  /// Above its plane; not below 0 where the half-space is [m for a unit normal].
+  [[nodiscard]] double HeightOf(const Eigen::Vector3d& point) const {
+    return normal.dot(point) - offset;
+  }
 };
 
 /// What draws hair somewhere, besides gravity ([AUK92] 2.2): an acceleration that acts on segments

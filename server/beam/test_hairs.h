@@ -11,6 +11,7 @@
 #include "beam/bend.h"
 #include "beam/bend_batch.h"
 #include "beam/hull.h"
+#include "beam/packing.h"
 #include "beam/test_random.h"
 
 namespace mane::beam::fixtures {
@@ -61,7 +62,7 @@ std::vector<std::vector<Eigen::Vector3d>> BendAll(const KernelTable<T>& kernels,
     for (size_t lane = 0; lane < count; ++lane) {
       out.emplace_back();
       for (int i = 0; i <= batch.segments(); ++i) {
-        out.back().emplace_back(hull.center + NodeOf<T>(nodes, static_cast<int>(lane), i));
+        out.back().emplace_back(hull.center + VectorAt(&nodes[3 * i], static_cast<int>(lane)));
       }
     }
   }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "beam/motion.h"
+#include "beam/packing.h"
 #include "beam/response.h"
 #include "beam/test_every_isa.h"
 #include "beam/test_random.h"
@@ -97,8 +98,7 @@ class Moving {
     batch_.Nodes(kernels, i / simd::kLanes, head, state_, rows);
     std::vector<Vector3d> nodes;
     for (size_t row = 0; row < rows.size(); row += 3) {
-      const int lane = i % simd::kLanes;
-      nodes.emplace_back(rows[row].lane[lane], rows[row + 1].lane[lane], rows[row + 2].lane[lane]);
+      nodes.emplace_back(VectorAt(&rows[row], i % simd::kLanes));
     }
     return nodes;
   }
