@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <limits>
 #include <type_traits>
@@ -121,6 +123,31 @@ TYPED_TEST(BendBatchTest, NoNodeIsInsideAndSegmentsKeepTheirLength) {
                       4 * TestFixture::kEpsilon * (far + d));
         }
       }
+    }
+  });
+}
+
+// In a plane that nearly lies along the hull the way out would be long.
+TYPED_TEST(BendBatchTest, WhatGrazesTheHullTurnsByLittle) {
+  using T = TypeParam;
+  this->ForEveryIsa([&](const KernelTable<T>& kernels) {
+    Random random(5);
+    const Hull hull{Vector3d(0.01, -0.02, 0.005), Vector3d(0.08, 0.11, 0.095)};
+    const Hull lifted = Lifted(hull, TestFixture::kEpsilon);
+    constexpr double kSinking = 0.005, kLength = 1e-3 * 0.08;
+    for (int trial = 0; trial < 100; ++trial) {
+      BendHair hair = fixtures::AnyHair(random, lifted, kLength, 1);
+      const Vector3d n = hair.direction, u = n.unitOrthogonal();
+      const Vector3d sinking = (n.cross(u) - kSinking * n).normalized();
+      hair.direction = u;
+      hair.softness = 1;
+      BendField field;
+      field.gravity = 10 * sinking;
+      const std::vector<double> weights = {1};
+      const auto bent = BendAll(kernels, BendBatch<T>(weights, field, lifted), hull, {&hair, 1});
+      const Vector3d free = (u + 10 * sinking).normalized();
+      ASSERT_LT(lifted.At(hair.root + kLength * free), 0);
+      EXPECT_LT(((bent[0][1] - bent[0][0]) / kLength - free).norm(), 2 * kSinking);
     }
   });
 }

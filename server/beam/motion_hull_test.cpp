@@ -58,7 +58,7 @@ TYPED_TEST(MotionHullTest, NoNodeIsInside) {
       for (int i = 0; i < kHairs; ++i) {
         OwnHair& hair = hairs.emplace_back(fixtures::AnyHair(random, kSegments, hull));
         hair.rest[0] = hull.Gradient(hair.root).normalized();
-        hair.segment_length = random.LogUniform(0.001, 1) * hull.radii.minCoeff();
+        hair.segment_length = random.LogUniform(0.001, 5) * hull.radii.minCoeff();
       }
       Moving<T> moving(hairs, settings, {0, -9.81, 0});
       for (int step = 0; step < 60; ++step) {
