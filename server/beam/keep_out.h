@@ -45,10 +45,10 @@ struct KeepOut : Directions<T, W> {
     const Vec s = lying * e + (up < none ? -sinking : sinking) * side;
     const V x_e = sinking / (T(1) + lying);
 
-    // (1 + x^2)^2 (E + 1 - reach) at x, less what it rounds by.
+    // (1 + x^2)^2 (E + 1 - reach) at x.
     const Vec Ms = d * ball.Along(s), Mt = d * ball.Along(t);
-    const V ss = Dot(Ms, Ms), st = Dot(Ms, Mt), tt = Dot(Mt, Mt), yy = Dot(y, y);
-    const V c = yy - reach - (8 * Base::kEpsilon) * (yy + ss + tt);
+    const V ss = Dot(Ms, Ms), st = Dot(Ms, Mt), tt = Dot(Mt, Mt);
+    const V c = Dot(y, y) - reach;
     const V bs = T(2) * Dot(y, Ms), bt = T(2) * Dot(y, Mt);
     const V p0 = c + bs + ss, p1 = T(-2) * bt - T(4) * st, p2 = T(2) * (c - ss) + T(4) * tt;
     const V p3 = T(-2) * bt + T(4) * st, p4 = c - bs + ss;

@@ -58,7 +58,7 @@ TYPED_TEST(MotionHullTest, NoNodeIsInside) {
       for (int i = 0; i < kHairs; ++i) {
         OwnHair& hair = hairs.emplace_back(fixtures::AnyHair(random, kSegments, hull));
         hair.rest[0] = hull.Gradient(hair.root).normalized();
-        hair.segment_length = random.LogUniform(0.001, 5) * hull.radii.minCoeff();
+        hair.segment_length = random.LogUniform(0.001, 1) * hull.radii.minCoeff();
       }
       Moving<T> moving(hairs, settings, {0, -9.81, 0});
       for (int step = 0; step < 60; ++step) {
@@ -73,6 +73,40 @@ TYPED_TEST(MotionHullTest, NoNodeIsInside) {
           }
         }
       }
+    }
+  });
+}
+
+// Segments much longer than the head end in it by what their directions round by.
+TYPED_TEST(MotionHullTest, NoNodeOfALongSegmentThatComesBackIsInside) {
+  using T = TypeParam;
+  this->ForEveryIsa([&](const KernelTable<T>& kernels) {
+    for (const Equations equations : {Equations::kAcross, Equations::kPolar}) {
+      Random random(67);
+      MotionSettings settings;
+      settings.equations = equations;
+      settings.hull = kHull;
+      constexpr double kLength = 5;
+      constexpr int kHairs = 4000;
+      std::vector<OwnHair> hairs;
+      for (int i = 0; i < kHairs; ++i) {
+        OwnHair& hair = hairs.emplace_back(fixtures::AnyHair(random, 2, kHull));
+        hair.segment_length = kLength;
+        const Vector3d n = kHull.Gradient(hair.root).normalized();
+        hair.rest[0] = (n + random.Vector(0.2)).normalized();
+        const Vector3d into = 0.03 / kLength * (n + random.Vector(0.3));
+        hair.rest[1] = -(hair.rest[0] + into).normalized();
+        hair.hold.assign(2, 0.0);
+      }
+      Moving<T> moving(hairs, settings);
+      moving.Step(kernels, Still(Vector3d::Zero(), 0.02));
+      int turned = 0;
+      for (int i = 0; i < kHairs; ++i) {
+        const auto nodes = moving.Nodes(kernels, i);
+        ASSERT_GE(kHull.At(nodes[2]), 0) << i;
+        turned += (moving.Directions(i)[1] - hairs[i].rest[1]).norm() > 1e-4 ? 1 : 0;
+      }
+      EXPECT_GT(turned, kHairs / 3);
     }
   });
 }
