@@ -77,36 +77,41 @@ TYPED_TEST(MotionHullTest, NoNodeIsInside) {
   });
 }
 
-// Segments much longer than the head end in it by what their directions round by.
-TYPED_TEST(MotionHullTest, NoNodeOfALongSegmentThatComesBackIsInside) {
+// Segments much longer than the head that go out and come back: ends differ by what directions, and
+// sums of them, round by.
+TYPED_TEST(MotionHullTest, NoNodeOfLongSegmentsThatComeBackIsInside) {
   using T = TypeParam;
+  constexpr int kHairs = 800, kSegments = 16;
+  constexpr double kLength = 5;
   this->ForEveryIsa([&](const KernelTable<T>& kernels) {
     for (const Equations equations : {Equations::kAcross, Equations::kPolar}) {
       Random random(67);
       MotionSettings settings;
       settings.equations = equations;
       settings.hull = kHull;
-      constexpr double kLength = 5;
-      constexpr int kHairs = 4000;
       std::vector<OwnHair> hairs;
       for (int i = 0; i < kHairs; ++i) {
-        OwnHair& hair = hairs.emplace_back(fixtures::AnyHair(random, 2, kHull));
+        OwnHair& hair = hairs.emplace_back(fixtures::AnyHair(random, kSegments, kHull));
         hair.segment_length = kLength;
         const Vector3d n = kHull.Gradient(hair.root).normalized();
-        hair.rest[0] = (n + random.Vector(0.2)).normalized();
-        const Vector3d into = 0.03 / kLength * (n + random.Vector(0.3));
-        hair.rest[1] = -(hair.rest[0] + into).normalized();
-        hair.hold.assign(2, 0.0);
+        for (int s = 0; s < kSegments; s += 2) {
+          hair.rest[s] = (n + random.Vector(0.2)).normalized();
+          const Vector3d into = 0.03 / kLength * (n + random.Vector(0.3));
+          hair.rest[s + 1] = -(hair.rest[s] + into).normalized();
+        }
+        hair.hold.assign(kSegments, 0.0);
       }
       Moving<T> moving(hairs, settings);
       moving.Step(kernels, Still(Vector3d::Zero(), 0.02));
       int turned = 0;
       for (int i = 0; i < kHairs; ++i) {
-        const auto nodes = moving.Nodes(kernels, i);
-        ASSERT_GE(kHull.At(nodes[2]), 0) << i;
-        turned += (moving.Directions(i)[1] - hairs[i].rest[1]).norm() > 1e-4 ? 1 : 0;
+        const auto nodes = moving.Nodes(kernels, i), e = moving.Directions(i);
+        for (int s = 1; s <= kSegments; ++s) {
+          ASSERT_GE(kHull.At(nodes[s]), 0) << "hair " << i << " node " << s;
+          turned += (e[s - 1] - hairs[i].rest[s - 1]).norm() > 1e-4 ? 1 : 0;
+        }
       }
-      EXPECT_GT(turned, kHairs / 3);
+      EXPECT_GT(turned, 2 * kHairs);
     }
   });
 }
