@@ -1,7 +1,6 @@
 // Properties of hulls:
 //   coordinates   points and polar angles are each other's inverse; the gradient is E's slope
-//   fit           recovers an ellipsoid, encloses a head that is none, refuses what has no
-//   ellipsoid
+//   fit           recovers an ellipsoid, encloses a head that is none, refuses what has none
 
 #include "beam/hull.h"
 

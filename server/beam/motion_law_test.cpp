@@ -1,14 +1,14 @@
 // What moving segments obey, against closed forms and fine integration:
-//   order         the undivided recurrences follow a fine RK4 integration to the second order of
-//   dt,
+//   order         undivided recurrences follow a fine RK4 integration to the second order of dt,
 //                 divided ones (B12) to the first, of B8 and of its form across the segment
 //   energy        of an undamped pendulum stays within a band, without drift
 //   frequency     of small swings is sqrt(lambda |F|), whatever the plane
 //   axis          hair along Y turns toward the force in the plane of both
 //   statics       held hair at rest stays; under a sideways acceleration it turns as a cantilever
-//   modes         the tip of held hair swings as a cantilever beam, of hanging hair as a chain
-//   nearly riding        friction makes held hair turn with the head; drag makes hair follow the
-//   wind roots         accelerate as the head's pose says
+//   modes         the tip of held hair swings as a cantilever beam, of hanging hair nearly as a
+//                 chain
+//   riding        friction makes held hair turn with the head; drag makes hair follow the wind
+//   roots         accelerate as the head's pose says
 
 #include <gtest/gtest.h>
 

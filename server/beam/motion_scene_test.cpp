@@ -1,8 +1,7 @@
 // What [AUK92] shows of hair in motion, with its numbers: d = rho = 1, k = 18, dt = 0.1, on a head
 // of 6 x 8 x 7.
 //   Figure 10   a gust of wind that turns: what moves with the old wind goes on for frames, and
-//   hair
-//               undulates
+//               hair undulates
 //   Figure 11   bangs pass through the forehead, unless the field is weaker there
 //   Figure 12   fluctuating hair stays smooth where its joints are limited
 
