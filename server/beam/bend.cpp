@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <numbers>
 
 namespace mane::beam {
 namespace {
@@ -17,39 +17,10 @@ constexpr double kSoftest = 1e12;
 constexpr double kParallel = 1e-12;  // Sine below which directions are.
 constexpr int kHalvings = 60;
 
+// Square of what a plane must have of the normal.
+constexpr double kLying = 1e-4;
+
 Vector3d Across(const Vector3d& a, const Vector3d& unit) { return a - a.dot(unit) * unit; }
-
-// The unit vector of the first candidate that has a direction across `unit`.
-Vector3d FirstAcross(const Vector3d& unit, const Vector3d& first, const Vector3d& second) {
-  for (const Vector3d& candidate : {first, second}) {
-    const Vector3d across = Across(candidate, unit);
-    if (across.norm() > kParallel) return Across(across.normalized(), unit).normalized();
-  }
-  const bool steep = std::abs(unit.y()) > std::sqrt(0.9);
-  const Vector3d axis = steep ? Vector3d(-1, 0, 0) : Vector3d(0, 1, 0);
-  return axis.cross(unit).normalized();
-}
-
-// B6, for a node inside in direction `bent`: angles in the plane count from its outward direction.
-Vector3d TurnOut(const Hull& hull, const Vector3d& p, double d, const Vector3d& before,
-                 const Vector3d& bent) {
-  const Vector3d normal = hull.Gradient(p).normalized();
-  const Vector3d side = FirstAcross(bent, before, normal);
-  const double along = normal.dot(bent), up = normal.dot(side), size = std::hypot(along, up);
-  if (size < kParallel) return normal;
-  const Vector3d outward = (along * bent + up * side) / size;
-  const Vector3d level = (std::abs(up) * bent + std::copysign(std::abs(along), up) * side) / size;
-  const auto direction = [&](double angle) {
-    return Vector3d(std::cos(angle) * outward + std::sin(angle) * level);
-  };
-  double out = std::numbers::pi / 2, in = std::atan2(bent.dot(level), bent.dot(outward));
-  if (hull.At(p + d * direction(out)) < 0) in = out, out = 0;
-  for (int i = 0; i < kHalvings; ++i) {
-    const double middle = (out + in) / 2;
-    (hull.At(p + d * direction(middle)) < 0 ? in : out) = middle;
-  }
-  return direction(out);
-}
 
 }  // namespace
 
@@ -74,7 +45,7 @@ Vector3d AccelerationAt(const BendField& field, uint32_t mask, const Hull& hull,
   Vector3d a = field.gravity;
   for (size_t f = 0; f < field.forces.size(); ++f) {
     const Force& force = field.forces[f];
-    const auto holds = [&](const HalfSpace& half) { return half.normal.dot(point) >= half.offset; };
+    const auto holds = [&](const HalfSpace& half) { return half.HeightOf(point) >= 0; };
     if ((mask >> f & 1) == 0 || !std::ranges::all_of(force.where, holds)) continue;
     const Vector3d way = force.point - point;
     const Vector3d pull = force.strength / std::max(way.norm(), force.softening) * way;
@@ -93,15 +64,35 @@ Vector3d AccelerationAt(const BendField& field, uint32_t mask, const Hull& hull,
   return a;
 }
 
-// E + 1 is a sum of squares near 1: it rounds by a few epsilon, and so do the radii's inverses. A
-// node that rounds by half an epsilon of a float of each coordinate, which is at most |center| + r
-// near the hull, moves E by sqrt(3) epsilon (|center| + r) / r_min. Radii that grow by a share
-// lift E by twice that.
-Hull Lifted(const Hull& hull, double epsilon) {
-  constexpr double kRounding = std::numeric_limits<float>::epsilon();
-  const double least = hull.radii.minCoeff();
-  const double largest = hull.center.cwiseAbs().maxCoeff() + hull.radii.maxCoeff();
-  return {hull.center, hull.radii * (1 + 8 * epsilon + 2 * kRounding * largest / least)};
+Vector3d TurnedOut(const Hull& hull, const Vector3d& p, double d, const Vector3d& before,
+                   const Vector3d& e) {
+  const Vector3d normal = hull.Gradient(p).normalized();
+  Vector3d side = Across(before, e);
+  const bool parallel = side.norm() < kParallel;
+  side = Across(side.normalized(), e).normalized();
+  const auto outward = [&] { return Vector3d(normal.dot(e) * e + normal.dot(side) * side); };
+  if (parallel || outward().squaredNorm() < kLying) {
+    const Vector3d up = Across(normal, e);
+    side = up.norm() < kParallel ? e.unitOrthogonal() : Across(up.normalized(), e).normalized();
+  }
+  // Angles count from s, level with the hull on the side of e, away from t, outward.
+  const Vector3d t = outward().normalized();
+  const double up = t.dot(side), along = t.dot(e);
+  const Vector3d s = std::abs(up) * e - std::copysign(1.0, up) * along * side;
+  const auto direction = [&](double psi) {
+    return Vector3d(std::cos(psi) * s - std::sin(psi) * t);
+  };
+  const auto is_out = [&](double psi) { return hull.At(p + d * direction(psi)) >= 0; };
+  const double psi = std::atan2(-along, std::abs(up));
+  const bool level_is_out = psi > 0 && is_out(0);
+  double out = level_is_out ? 0 : -std::numbers::pi / 2,
+         in = level_is_out ? psi : std::min(psi, 0.0);
+  if (!is_out(out)) return normal;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle = (out + in) / 2;
+    (is_out(middle) ? out : in) = middle;
+  }
+  return direction(out);
 }
 
 std::vector<Vector3d> Bend(const BendHair& hair, const BendField& field,
@@ -115,7 +106,7 @@ std::vector<Vector3d> Bend(const BendHair& hair, const BendField& field,
     double turn = weight * hair.softness;
     if (along > 0) turn = std::min(turn, 1 / along);
     const Vector3d bent = (e + turn * Across(a, e)).normalized();
-    e = hull.At(p + d * bent) < 0 ? TurnOut(hull, p, d, e, bent) : bent;
+    e = hull.At(p + d * bent) < 0 ? TurnedOut(hull, p, d, e, bent) : bent;
     nodes.emplace_back(p + d * e);
   }
   return nodes;

@@ -40,9 +40,10 @@ struct BendField {
 [[nodiscard]] Eigen::Vector3d AccelerationAt(const BendField& field, uint32_t mask,
                                              const Hull& hull, const Eigen::Vector3d& point);
 
-/// The hull that nodes keep out of in numbers of precision `epsilon` (that of T), larger by so
-/// little that a node outside of it lies, rounded to float in the head frame, outside the hull.
-[[nodiscard]] Hull Lifted(const Hull& hull, double epsilon);
+/// B6 in double precision: the direction in the plane of `before` and e next to e, of a segment
+/// from `p` that ends inside along e, along which it does not. The normal at p where none is.
+[[nodiscard]] Eigen::Vector3d TurnedOut(const Hull& hull, const Eigen::Vector3d& p, double d,
+                                        const Eigen::Vector3d& before, const Eigen::Vector3d& e);
 
 /// One hair bent, segment by segment, in double precision: what the kernels are compared with.
 ///

@@ -3,16 +3,12 @@
 #include <algorithm>
 
 #include "base/check.h"
+#include "beam/packing.h"
 
 namespace mane::beam {
 namespace {
 
 using Eigen::Vector3d;
-
-template <typename T>
-void Copy(const Vector3d& from, T (&to)[3]) {
-  for (int j = 0; j < 3; ++j) to[j] = static_cast<T>(from[j]);
-}
 
 template <typename T>
 BendForce<T> ForceOf(const Force& force, const Hull& hull) {
@@ -21,8 +17,8 @@ BendForce<T> ForceOf(const Force& force, const Hull& hull) {
   out.kind = force.kind == Force::Kind::kUniform  ? Kind::kUniform
              : force.kind == Force::Kind::kToward ? Kind::kToward
                                                   : Kind::kAround;
-  Copy(force.vector, out.vector);
-  Copy(force.point - hull.center, out.point);
+  Fill<T>(force.vector, out.vector);
+  Fill<T>(force.point - hull.center, out.point);
   out.strength = static_cast<T>(force.strength);
   out.softening = static_cast<T>(force.softening);
   out.plane_count = static_cast<int>(force.where.size());
@@ -47,8 +43,8 @@ BendBatch<T>::BendBatch(std::span<const double> weights, const BendField& field,
     force.planes = next;
     next += bend_layout::kPlaneNumbers * force.plane_count;
   }
-  Copy(hull.radii.cwiseInverse(), scene_.inverse_radii);
-  Copy(field.gravity, scene_.gravity);
+  Fill<T>(hull.radii.cwiseInverse(), scene_.inverse_radii);
+  Fill<T>(field.gravity, scene_.gravity);
   scene_.forces = forces_.data();
   scene_.force_count = static_cast<int>(forces_.size());
 }
@@ -64,11 +60,8 @@ void BendBatch<T>::Bend(const KernelTable<T>& kernels, std::span<const BendHair>
   for (int lane = 0; lane < simd::kLanes; ++lane) {
     const BendHair& hair = hairs[std::min<size_t>(lane, hairs.size() - 1)];
     const auto put = [&](int row, double value) { rows[row].lane[lane] = static_cast<T>(value); };
-    const Vector3d root = hair.root - hull_.center;
-    for (int j = 0; j < 3; ++j) {
-      put(bend_layout::kRoot + j, root[j]);
-      put(bend_layout::kDirection + j, hair.direction[j]);
-    }
+    SetLane<T>(hair.root - hull_.center, lane, &rows[bend_layout::kRoot]);
+    SetLane<T>(hair.direction, lane, &rows[bend_layout::kDirection]);
     put(bend_layout::kLength, hair.segment_length);
     put(bend_layout::kSoftness, hair.softness);
     for (int f = 0; f < scene_.force_count; ++f) {

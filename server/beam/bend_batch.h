@@ -44,12 +44,4 @@ class BendBatch {
   BendScene<T> scene_;
 };
 
-/// A node of a hair in a block, from the hull's center [m].
-template <typename T>
-[[nodiscard]] Eigen::Vector3d NodeOf(std::span<const simd::Row<T>> nodes, int lane, int node) {
-  return {static_cast<double>(nodes[3 * node].lane[lane]),
-          static_cast<double>(nodes[3 * node + 1].lane[lane]),
-          static_cast<double>(nodes[3 * node + 2].lane[lane])};
-}
-
 }  // namespace mane::beam

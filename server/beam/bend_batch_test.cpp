@@ -8,12 +8,14 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <limits>
-#include <string>
 #include <type_traits>
 #include <vector>
 
+#include "beam/test_every_isa.h"
 #include "beam/test_hairs.h"
 
 namespace mane::beam {
@@ -21,29 +23,19 @@ namespace {
 
 using Eigen::Vector3d;
 using fixtures::BendAll;
-using fixtures::RandomNumbers;
+using fixtures::Random;
 
 template <typename T>
-class BendBatchTest : public ::testing::Test {
+class BendBatchTest : public fixtures::EveryIsaTest<T> {
  protected:
   static constexpr double kEpsilon = std::numeric_limits<T>::epsilon();
-
-  template <typename Work>
-  void ForEveryIsa(const Work& work) {
-    for (const simd::Isa isa : simd::Supported()) {
-      SCOPED_TRACE(std::string(simd::Name(isa)));
-      work(KernelsFor<T>(isa));
-    }
-  }
 };
-using Numbers = ::testing::Types<float, double>;
-TYPED_TEST_SUITE(BendBatchTest, Numbers);
+TYPED_TEST_SUITE(BendBatchTest, fixtures::Numbers);
 
-std::vector<BendHair> AnyHairs(RandomNumbers& random, const Hull& hull, int count, double length,
-                               int k) {
+std::vector<BendHair> AnyHairs(Random& random, const Hull& hull, int count, double length, int k) {
   std::vector<BendHair> hairs;
   for (int i = 0; i < count; ++i) {
-    hairs.emplace_back(random.AnyHair(hull, length * random.Uniform(0.3, 1), k));
+    hairs.emplace_back(fixtures::AnyHair(random, hull, length * random.Uniform(0.3, 1), k));
     hairs.back().forces = static_cast<uint32_t>(random.Uniform(0, 64));
   }
   return hairs;
@@ -55,13 +47,13 @@ TYPED_TEST(BendBatchTest, EqualsTheReference) {
   using T = TypeParam;
   const double tolerance = std::is_same_v<T, float> ? 1e-4 : 1e-9;
   this->ForEveryIsa([&](const KernelTable<T>& kernels) {
-    RandomNumbers random(1);
+    Random random(1);
     int close = 0, all = 0;
     for (const int k : {2, 3, 20, 50}) {
       for (int trial = 0; trial < 8; ++trial) {
         const Hull hull = random.AnyHull();
         const double length = 3 * hull.radii.maxCoeff();
-        const BendField field = random.AnyField(hull, 6);
+        const BendField field = fixtures::AnyField(random, hull, 6);
         const std::vector<double> weights = TurnWeights(k);
         const BendBatch<T> batch(weights, field, hull);
         const auto hairs = AnyHairs(random, Lifted(hull, 1e-7), 37, length, k);
@@ -83,9 +75,9 @@ TYPED_TEST(BendBatchTest, EqualsTheReference) {
 TYPED_TEST(BendBatchTest, ALaneDependsOnNothingElse) {
   using T = TypeParam;
   this->ForEveryIsa([&](const KernelTable<T>& kernels) {
-    RandomNumbers random(2);
+    Random random(2);
     const Hull hull = random.AnyHull();
-    const BendField field = random.AnyField(hull, 4);
+    const BendField field = fixtures::AnyField(random, hull, 4);
     const BendBatch<T> batch(TurnWeights(20), field, hull);
     const auto hairs = AnyHairs(random, Lifted(hull, 1e-7), 64, 3 * hull.radii.maxCoeff(), 20);
     const auto together = BendAll(kernels, batch, hull, hairs);
@@ -100,12 +92,12 @@ TYPED_TEST(BendBatchTest, ALaneDependsOnNothingElse) {
 TYPED_TEST(BendBatchTest, NoNodeIsInsideAndSegmentsKeepTheirLength) {
   using T = TypeParam;
   this->ForEveryIsa([&](const KernelTable<T>& kernels) {
-    RandomNumbers random(3);
+    Random random(3);
     for (int trial = 0; trial < 300; ++trial) {
       const Hull hull = random.AnyHull(), lifted = Lifted(hull, TestFixture::kEpsilon);
       const int k = trial % 3 == 0 ? 7 : trial % 3 == 1 ? 20 : 120;
       const double length = random.LogUniform(0.01, 10) * hull.radii.maxCoeff();
-      BendField field = random.AnyField(hull, 3);
+      BendField field = fixtures::AnyField(random, hull, 3);
       Force inward;  // Presses all hair to the middle of the head.
       inward.kind = Force::Kind::kToward;
       inward.point = hull.center;
@@ -135,10 +127,35 @@ TYPED_TEST(BendBatchTest, NoNodeIsInsideAndSegmentsKeepTheirLength) {
   });
 }
 
+// In a plane that nearly lies along the hull the way out would be long.
+TYPED_TEST(BendBatchTest, WhatGrazesTheHullTurnsByLittle) {
+  using T = TypeParam;
+  this->ForEveryIsa([&](const KernelTable<T>& kernels) {
+    Random random(5);
+    const Hull hull{Vector3d(0.01, -0.02, 0.005), Vector3d(0.08, 0.11, 0.095)};
+    const Hull lifted = Lifted(hull, TestFixture::kEpsilon);
+    constexpr double kSinking = 0.005, kLength = 1e-3 * 0.08;
+    for (int trial = 0; trial < 100; ++trial) {
+      BendHair hair = fixtures::AnyHair(random, lifted, kLength, 1);
+      const Vector3d n = hair.direction, u = n.unitOrthogonal();
+      const Vector3d sinking = (n.cross(u) - kSinking * n).normalized();
+      hair.direction = u;
+      hair.softness = 1;
+      BendField field;
+      field.gravity = 10 * sinking;
+      const std::vector<double> weights = {1};
+      const auto bent = BendAll(kernels, BendBatch<T>(weights, field, lifted), hull, {&hair, 1});
+      const Vector3d free = (u + 10 * sinking).normalized();
+      ASSERT_LT(lifted.At(hair.root + kLength * free), 0);
+      EXPECT_LT(((bent[0][1] - bent[0][0]) / kLength - free).norm(), 2 * kSinking);
+    }
+  });
+}
+
 TEST(BendLengthTest, SegmentsKeepTheirLengthToTheNumbersPrecision) {
-  RandomNumbers random(4);
+  Random random(4);
   const Hull hull{Vector3d::Zero(), Vector3d(0.08, 0.11, 0.1)};
-  const BendField field = random.AnyField(hull, 2);
+  const BendField field = fixtures::AnyField(random, hull, 2);
   const auto hairs = AnyHairs(random, Lifted(hull, 1e-7), 64, 0.3, 20);
   const BendBatch<double> precise(TurnWeights(20), field, hull);
   const BendBatch<float> fast(TurnWeights(20), field, hull);

@@ -23,7 +23,7 @@ namespace {
 
 using Eigen::Vector3d;
 using fixtures::NoHull;
-using fixtures::RandomNumbers;
+using fixtures::Random;
 
 using Weights = std::function<std::vector<double>(int)>;
 
@@ -130,14 +130,14 @@ TEST(BendTest, ForcesActWhereAndOnWhatTheyAreSaidTo) {
 
 // A scene seen in a mirror or turned about Y by 90 degrees, which swaps radii.
 TEST(BendTest, MirroredAndTurnedScenesHaveMirroredAndTurnedHair) {
-  RandomNumbers random(7);
+  Random random(7);
   Eigen::Matrix3d mirror = Vector3d(-1, 1, 1).asDiagonal(), turn;
   turn << 0, 0, 1, 0, 1, 0, -1, 0, 0;
   for (const Eigen::Matrix3d& S : {mirror, turn}) {
     for (int trial = 0; trial < 200; ++trial) {
       const Hull hull = random.AnyHull();
-      const BendField field = random.AnyField(hull, 3);
-      const BendHair hair = random.AnyHair(hull, 3 * hull.radii.maxCoeff(), 20);
+      const BendField field = fixtures::AnyField(random, hull, 3);
+      const BendHair hair = fixtures::AnyHair(random, hull, 3 * hull.radii.maxCoeff(), 20);
       Hull other{S * hull.center, (S * hull.radii).cwiseAbs()};
       BendField other_field = field;
       other_field.gravity = S * field.gravity;
@@ -159,13 +159,13 @@ TEST(BendTest, MirroredAndTurnedScenesHaveMirroredAndTurnedHair) {
 }
 
 TEST(BendTest, TurnsOutInThePlaneAndNoMoreThanItMust) {
-  RandomNumbers random(8);
+  Random random(8);
   int met = 0;
   for (int trial = 0; trial < 3000; ++trial) {
     const Hull hull = random.AnyHull();
     const double size = hull.radii.minCoeff();
     // One segment beyond a point off the hull, bent into it.
-    BendHair hair = random.AnyHair(hull, 1, 2);
+    BendHair hair = fixtures::AnyHair(random, hull, 1, 2);
     hair.root = hull.center + random.Uniform(1, 1.2) * (hair.root - hull.center);
     hair.direction = random.Direction();
     hair.segment_length = random.Uniform(0.05, 0.6) * size;

@@ -37,8 +37,7 @@ double KeptBy(const Cut& cut, std::span<const Vector3f> nodes, double segment_le
     kept = std::min(kept, UpTo(nodes, [&](const Vector3d& p) { return p.y() - *cut.height; }));
   }
   for (const HalfSpace& half : cut.keep) {
-    kept = std::min(
-        kept, UpTo(nodes, [&](const Vector3d& p) { return half.normal.dot(p) - half.offset; }));
+    kept = std::min(kept, UpTo(nodes, [&](const Vector3d& p) { return half.HeightOf(p); }));
   }
   if (cut.by_pore) kept = std::min(kept, LengthAt(*cut.by_pore, nodes[0].y()) / segment_length);
   return kept;

@@ -32,7 +32,7 @@ struct Highlight {
 [[nodiscard]] double Specular(const Eigen::Vector3d& tangent, const Eigen::Vector3d& to_light,
                               const Eigen::Vector3d& to_eye, const Shine& shine);
 
-/// B16 of one light. `factor` is the hair's own one on k_a, f.
+/// B16 of one light. `factor` is the hair's own one on k_a, f (B18).
 [[nodiscard]] Highlight HighlightOf(const Eigen::Vector3d& tangent, const Eigen::Vector3d& to_light,
                                     const Eigen::Vector3d& to_eye, const Shine& shine,
                                     double factor);

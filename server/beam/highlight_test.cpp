@@ -9,7 +9,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "beam/test_motion.h"
+#include "beam/test_random.h"
 
 namespace mane::beam {
 namespace {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace mane::beam {
 namespace {
@@ -22,6 +23,11 @@ Error Unfit(const std::string& why) { return InvalidArgument({}, "the points " +
 
 }  // namespace
 
+Vector3d DirectionOf(double zenith, double azimuth) {
+  const double across = std::sin(zenith);
+  return {across * std::sin(azimuth), std::cos(zenith), across * std::cos(azimuth)};
+}
+
 double Hull::At(const Vector3d& point) const {
   return (point - center).cwiseQuotient(radii).squaredNorm() - 1;
 }
@@ -31,15 +37,23 @@ Vector3d Hull::Gradient(const Vector3d& point) const {
 }
 
 Vector3d Hull::Point(double zenith, double azimuth) const {
-  const Vector3d direction(std::sin(zenith) * std::sin(azimuth), std::cos(zenith),
-                           std::sin(zenith) * std::cos(azimuth));
-  return center + radii.cwiseProduct(direction);
+  return center + radii.cwiseProduct(DirectionOf(zenith, azimuth));
 }
 
 Polar PolarOf(const Hull& hull, const Vector3d& point) {
   const Vector3d u = (point - hull.center).cwiseQuotient(hull.radii);
   const double across = std::hypot(u.x(), u.z());
   return {std::atan2(across, u.y()), across > 0 ? std::atan2(u.x(), u.z()) : 0};
+}
+
+// A coordinate where the hull is the unit ball is a sum of three products and an offset that come
+// to (2 |c| + r) / r_min at most. It rounds by 2.5 epsilon of that, and by what its node does by
+// half a float's; E rounds by sqrt(12) times as much and 1.5 epsilon, and radii that grow by a
+// share lift it by twice that.
+Hull Lifted(const Hull& hull, double epsilon) {
+  const double rounding = 5.5 * epsilon + std::numeric_limits<float>::epsilon();
+  const double largest = 2 * hull.center.norm() + hull.radii.maxCoeff();
+  return {hull.center, hull.radii * (1 + rounding * largest / hull.radii.minCoeff())};
 }
 
 Result<Hull> FitHull(std::span<const Eigen::Vector3f> points) {

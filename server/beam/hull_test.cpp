@@ -1,7 +1,6 @@
 // Properties of hulls:
 //   coordinates   points and polar angles are each other's inverse; the gradient is E's slope
-//   fit           recovers an ellipsoid, encloses a head that is none, refuses what has no
-//   ellipsoid
+//   fit           recovers an ellipsoid, encloses a head that is none, refuses what has none
 
 #include "beam/hull.h"
 
@@ -13,17 +12,17 @@
 #include <numbers>
 #include <vector>
 
-#include "beam/test_hairs.h"
+#include "beam/test_random.h"
 
 namespace mane::beam {
 namespace {
 
 using Eigen::Vector3d;
 using Eigen::Vector3f;
-using fixtures::RandomNumbers;
+using fixtures::Random;
 
 TEST(HullTest, PolarAnglesAndPointsAreInverse) {
-  RandomNumbers random(1);
+  Random random(1);
   for (int trial = 0; trial < 200; ++trial) {
     const Hull hull = random.AnyHull();
     const double zenith = random.Uniform(0.01, 3.1), azimuth = random.Uniform(-3.1, 3.1);
@@ -42,7 +41,7 @@ TEST(HullTest, PolarAnglesAndPointsAreInverse) {
 }
 
 TEST(HullTest, TheGradientIsTheSlope) {
-  RandomNumbers random(2);
+  Random random(2);
   for (int trial = 0; trial < 100; ++trial) {
     const Hull hull = random.AnyHull();
     const Vector3d point = hull.center + 2 * hull.radii.cwiseProduct(random.Vector(1));
@@ -56,7 +55,7 @@ TEST(HullTest, TheGradientIsTheSlope) {
 }
 
 TEST(FitHullTest, RecoversAnEllipsoid) {
-  RandomNumbers random(3);
+  Random random(3);
   for (int trial = 0; trial < 50; ++trial) {
     const Hull hull = random.AnyHull();
     std::vector<Vector3f> points;
@@ -107,7 +106,7 @@ TEST(FitHullTest, RefusesWhatHasNoEllipsoid) {
     EXPECT_TRUE(fit.error().field.empty());
     return true;
   };
-  RandomNumbers random(4);
+  Random random(4);
   std::vector<Vector3f> plane, tilted, saddle, two_sheets, few, broken = Mannequin();
   for (int i = 0; i < 200; ++i) {
     const float x = static_cast<float>(random.Uniform(-1, 1));

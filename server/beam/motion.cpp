@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/check.h"
+#include "beam/packing.h"
 #include "math/random.h"
 
 namespace mane::beam {
@@ -18,19 +19,7 @@ using layout::kLanes;
 constexpr uint64_t kFluctuationPeriod = 10;
 
 template <typename T>
-void Fill(const Matrix3d& M, T (&rows)[9]) {
-  for (int i = 0; i < 9; ++i) rows[i] = static_cast<T>(M(i / 3, i % 3));
-}
-
-template <typename T>
-void Fill(const Vector3d& v, T (&numbers)[3]) {
-  for (int i = 0; i < 3; ++i) numbers[i] = static_cast<T>(v[i]);
-}
-
-template <typename T>
-void SetLane(const Vector3d& v, int lane, simd::Row<T>* rows) {
-  for (int i = 0; i < 3; ++i) rows[i].lane[lane] = static_cast<T>(v[i]);
-}
+constexpr double kEpsilon = std::numeric_limits<T>::epsilon();
 
 Matrix3d Turn(const Vector3d& rotation) {
   return math::FromRotationVector(rotation).toRotationMatrix();
@@ -42,14 +31,11 @@ struct Tangents {
   double sine;  // Of t.
 
   Tangents(double t, double f)
-      : e(std::sin(t) * std::sin(f), std::cos(t), std::sin(t) * std::cos(f)),
+      : e(DirectionOf(t, f)),
         u(std::cos(t) * std::sin(f), -std::sin(t), std::cos(t) * std::cos(f)),
         v(std::cos(f), 0, -std::sin(f)),
         sine(std::sin(t)) {}
 };
-
-// Nearer to the axis, a direction's azimuth does not turn; near it, not far (motion_polar.h).
-constexpr double kAxis = 1e-4, kMostTurn = 1.25;
 
 // Puts one lane of a segment's state to a direction and its step.
 template <typename T>
@@ -59,26 +45,27 @@ void SetSegment(bool polar, const Vector3d& e, const Vector3d& step, int lane, s
     SetLane<T>(step - step.dot(e) * e, lane, rows + layout::kStep);
     return;
   }
-  const double level = std::hypot(e.x(), e.z());
-  const double t = std::atan2(level, e.y()), f = std::atan2(e.x(), e.z());
+  const auto [t, f] = PolarOf(Hull(), e);
   const Tangents at(t, f);
   const auto set = [&](int row, double value) { rows[row].lane[lane] = static_cast<T>(value); };
   set(layout::kZenith, t);
   set(layout::kAzimuth, f);
   set(layout::kZenithStep, step.dot(at.u));
   set(layout::kAzimuthStep,
-      level > kAxis ? std::clamp(step.dot(at.v) / level, -kMostTurn, kMostTurn) : 0);
+      at.sine > layout::kAxis
+          ? std::clamp(step.dot(at.v) / at.sine, -layout::kMostTurn, layout::kMostTurn)
+          : 0);
 }
 
 // Reads them back.
 template <typename T>
 void GetSegment(bool polar, const simd::Row<T>* rows, int lane, Vector3d* e, Vector3d* step) {
-  const auto at = [&](int row) { return static_cast<double>(rows[row].lane[lane]); };
   if (!polar) {
-    *e = Vector3d(at(0), at(1), at(2)).normalized();
-    *step = Vector3d(at(layout::kStep), at(layout::kStep + 1), at(layout::kStep + 2));
+    *e = VectorAt(rows + layout::kDirection, lane).normalized();
+    *step = VectorAt(rows + layout::kStep, lane);
     return;
   }
+  const auto at = [&](int row) { return static_cast<double>(rows[row].lane[lane]); };
   const Tangents along(at(layout::kZenith), at(layout::kAzimuth));
   *e = along.e;
   *step = at(layout::kZenithStep) * along.u + at(layout::kAzimuthStep) * along.sine * along.v;
@@ -92,6 +79,7 @@ MotionBatch<T>::MotionBatch(int segments, std::span<const MotionHair> hairs,
     : segments_(segments),
       hair_count_(static_cast<int>(hairs.size())),
       settings_(settings),
+      lifted_(settings.hull ? Lifted(*settings.hull, kEpsilon<T>) : Hull()),
       gravity_(gravity) {
   MANE_CHECK(segments >= 1);
   MANE_CHECK(settings.epsilon.empty() || static_cast<int>(settings.epsilon.size()) == segments);
@@ -128,7 +116,7 @@ MotionBatch<T>::MotionBatch(int segments, std::span<const MotionHair> hairs,
 
 template <typename T>
 int MotionBatch<T>::blocks() const {
-  return (hair_count_ + kLanes - 1) / kLanes;
+  return simd::BlocksOf(hair_count_);
 }
 
 template <typename T>
@@ -163,10 +151,10 @@ layout::MotionShape<T> MotionBatch<T>::Shape() const {
   shape.alpha = static_cast<T>(settings_.alpha);
   shape.twice_near = static_cast<T>(2 * settings_.near);
   shape.fluctuation = static_cast<T>(settings_.fluctuation);
-  const Hull unit;
-  const Hull& shown = hull ? *settings_.hull : unit;
-  Fill<T>(shown.center, shape.center);
-  Fill<T>(shown.radii.cwiseInverse(), shape.inverse_radii);
+  Fill<T>(lifted_.center.cwiseQuotient(lifted_.radii), shape.center);
+  // Angles that turn by four epsilon move E by twice that, over the least radius.
+  shape.reach_per_length =
+      shape.polar ? static_cast<T>(8 * kEpsilon<T> / lifted_.radii.minCoeff()) : T(0);
   shape.segment = numbers_.data();
   return shape;
 }
@@ -185,8 +173,7 @@ layout::MotionStep<T> MotionBatch<T>::StepNumbers(int block, const MotionDrive& 
 
   layout::MotionStep<T> step;
   Fill<T>(R, step.R);
-  const Vector3d radii = settings_.hull ? settings_.hull->radii : Vector3d::Ones();
-  Fill<T>(radii.cwiseInverse().asDiagonal() * R.transpose(), step.to_hull);
+  Fill<T>(lifted_.radii.cwiseInverse().asDiagonal() * R.transpose(), step.to_hull);
   Fill<T>(drive.velocity, step.velocity);
   Fill<T>(turning, step.turning);
   Fill<T>(drive.gravity - R * gravity_ - (drive.velocity - drive.velocity_before) / dt, step.field);

@@ -128,6 +128,7 @@ class MotionBatch {
   template <typename Visit>
   void ForLanes(int hair, std::span<Row> state, const Visit& visit) const;
 
+  Hull lifted_;  // What nodes keep out of.
   Eigen::Vector3d gravity_ = Eigen::Vector3d::Zero();
   bool holds_ = false;
   std::vector<layout::SegmentNumbers<T>> numbers_;  // (segments)

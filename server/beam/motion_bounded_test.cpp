@@ -31,7 +31,7 @@ TYPED_TEST(MotionBoundedTest, NoStepIsLongerThanARadianOrWhatCameIn) {
     MotionSettings settings;
     settings.clamped = false;
     std::vector<OwnHair> hairs;
-    for (int i = 0; i < 32; ++i) hairs.push_back(random.AnyHair(5, kHull));
+    for (int i = 0; i < 32; ++i) hairs.push_back(fixtures::AnyHair(random, 5, kHull));
     Moving<T> moving(hairs, settings);
     for (int round = 0; round < 200; ++round) {
       const double dt = random.Uniform(1e-3, 0.1);
@@ -70,7 +70,7 @@ TYPED_TEST(MotionBoundedTest, NothingBreaksASegment) {
       if (kind & 8) settings.largest_turn.assign(8, 0.3F), settings.fluctuation = 0.5;
       std::vector<OwnHair> hairs;
       for (int i = 0; i < 20; ++i) {
-        OwnHair& hair = hairs.emplace_back(random.AnyHair(8, kHull));
+        OwnHair& hair = hairs.emplace_back(fixtures::AnyHair(random, 8, kHull));
         if (i % 3 == 0) hair.drag = hair.friction = 0;
         if (i % 4 == 0) hair.response.assign(8, 1e4);
         if (i % 5 == 0) hair.hold.assign(8, 0.0);
@@ -78,7 +78,8 @@ TYPED_TEST(MotionBoundedTest, NothingBreaksASegment) {
       }
       Moving<T> moving(hairs, settings, {0, -9.81, 0});
       for (int step = 0; step < 400; ++step) {
-        MotionDrive drive = random.AnyDrive(step % 3 == 0 ? 0.1 : random.Uniform(1e-3, 0.1));
+        MotionDrive drive =
+            fixtures::AnyDrive(random, step % 3 == 0 ? 0.1 : random.Uniform(1e-3, 0.1));
         drive.duration_before = 0;
         drive.frame = step;
         const double size = std::pow(10, random.Uniform(0, 6));

@@ -1,15 +1,12 @@
-// Moving hair and the hull, joints and fluctuation, for float and double and every instruction set:
+// Moving hair and the hull, for float and double and every instruction set:
 //   outside       no node is inside, whatever moves, of hair whose root is not; evaluated in double
 //   little        a node that is turned out lies on the hull, in the plane it was in
 //   way out       hair whose root is inside leaves, and stays out
 //   at rest       hair pressed onto the hull lies still, and does not fly off when released
-//   joints        turn no further than they may; the hull comes first
-//   fluctuation   is even, rare, keeps within the joints, adds no motion
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <type_traits>
 
 #include "beam/motion.h"
 #include "beam/test_motion.h"
@@ -20,12 +17,10 @@ namespace {
 using Eigen::Vector3d;
 using fixtures::Angle;
 using fixtures::Free;
-using fixtures::Level;
 using fixtures::Moving;
 using fixtures::OwnHair;
 using fixtures::Random;
 using fixtures::Still;
-using std::numbers::pi;
 
 const Hull kHull{{0.01, -0.02, 0.005}, {0.08, 0.11, 0.095}};
 
@@ -44,34 +39,75 @@ std::vector<Vector3d> LocalNodes(const Moving<T>& moving, const KernelTable<T>& 
 
 TYPED_TEST(MotionHullTest, NoNodeIsInside) {
   using T = TypeParam;
+  constexpr int kSegments = 30, kHairs = 32;
   this->ForEveryIsa([&](const KernelTable<T>& kernels) {
-    for (int kind = 0; kind < 8; ++kind) {
+    for (int kind = 0; kind < 16; ++kind) {
       SCOPED_TRACE(testing::Message() << "kind " << kind);
       Random random(500 + kind);
       MotionSettings settings;
       settings.equations = kind & 1 ? Equations::kPolar : Equations::kAcross;
       settings.clamped = kind & 2;
-      settings.hull = kHull;
-      if (kind & 4) settings.largest_turn.assign(10, 0.4F), settings.fluctuation = 0.2;
+      if (kind & 4) settings.largest_turn.assign(kSegments, 0.4F), settings.fluctuation = 0.2;
+      const Hull hull = kind & 8 ? random.AnyHull() : kHull;
+      settings.hull = hull;
       std::vector<OwnHair> hairs;
-      for (int i = 0; i < 32; ++i) {
-        OwnHair& hair = hairs.emplace_back(random.AnyHair(10, kHull));
-        hair.rest[0] = fixtures::HalfGradient(kHull, hair.root).normalized();
+      for (int i = 0; i < kHairs; ++i) {
+        OwnHair& hair = hairs.emplace_back(fixtures::AnyHair(random, kSegments, hull));
+        hair.rest[0] = hull.Gradient(hair.root).normalized();
+        hair.segment_length = random.LogUniform(0.001, 1) * hull.radii.minCoeff();
       }
       Moving<T> moving(hairs, settings, {0, -9.81, 0});
-      for (int step = 0; step < 150; ++step) {
-        MotionDrive drive = random.AnyDrive(random.Uniform(0.005, 0.05));
+      for (int step = 0; step < 60; ++step) {
+        MotionDrive drive = fixtures::AnyDrive(random, random.Uniform(0.005, 0.05));
         drive.frame = step;
         drive.gravity = random.Vector(step % 10 == 0 ? 1e5 : 100);
         moving.Step(kernels, drive);
-        for (int i = 0; i < 32; ++i) {
+        for (int i = 0; i < kHairs; ++i) {
           const auto nodes = LocalNodes(moving, kernels, i, drive.head);
           for (size_t s = 1; s < nodes.size(); ++s) {
-            ASSERT_GE(Level(kHull, nodes[s]), 0)
-                << "step " << step << " hair " << i << " node " << s;
+            ASSERT_GE(hull.At(nodes[s]), 0) << "step " << step << " hair " << i << " node " << s;
           }
         }
       }
+    }
+  });
+}
+
+// Segments much longer than the head that go out and come back: ends differ by what directions, and
+// sums of them, round by.
+TYPED_TEST(MotionHullTest, NoNodeOfLongSegmentsThatComeBackIsInside) {
+  using T = TypeParam;
+  constexpr int kHairs = 800, kSegments = 16;
+  constexpr double kLength = 5;
+  this->ForEveryIsa([&](const KernelTable<T>& kernels) {
+    for (const Equations equations : {Equations::kAcross, Equations::kPolar}) {
+      Random random(67);
+      MotionSettings settings;
+      settings.equations = equations;
+      settings.hull = kHull;
+      std::vector<OwnHair> hairs;
+      for (int i = 0; i < kHairs; ++i) {
+        OwnHair& hair = hairs.emplace_back(fixtures::AnyHair(random, kSegments, kHull));
+        hair.segment_length = kLength;
+        const Vector3d n = kHull.Gradient(hair.root).normalized();
+        for (int s = 0; s < kSegments; s += 2) {
+          hair.rest[s] = (n + random.Vector(0.2)).normalized();
+          const Vector3d into = 0.03 / kLength * (n + random.Vector(0.3));
+          hair.rest[s + 1] = -(hair.rest[s] + into).normalized();
+        }
+        hair.hold.assign(kSegments, 0.0);
+      }
+      Moving<T> moving(hairs, settings);
+      moving.Step(kernels, Still(Vector3d::Zero(), 0.02));
+      int turned = 0;
+      for (int i = 0; i < kHairs; ++i) {
+        const auto nodes = moving.Nodes(kernels, i), e = moving.Directions(i);
+        for (int s = 1; s <= kSegments; ++s) {
+          ASSERT_GE(kHull.At(nodes[s]), 0) << "hair " << i << " node " << s;
+          turned += (e[s - 1] - hairs[i].rest[s - 1]).norm() > 1e-4 ? 1 : 0;
+        }
+      }
+      EXPECT_GT(turned, 2 * kHairs);
     }
   });
 }
@@ -86,9 +122,9 @@ TYPED_TEST(MotionHullTest, NodesAreTurnedOutAsLittleAsItTakes) {
       settings.hull = kHull;
       std::vector<OwnHair> hairs;
       for (int i = 0; i < 200; ++i) {
-        OwnHair& hair = hairs.emplace_back(random.AnyHair(2, kHull));
+        OwnHair& hair = hairs.emplace_back(fixtures::AnyHair(random, 2, kHull));
         hair.segment_length = 0.02;
-        hair.rest[0] = fixtures::HalfGradient(kHull, hair.root).unitOrthogonal();
+        hair.rest[0] = kHull.Gradient(hair.root).unitOrthogonal();
       }
       Moving<T> moving(hairs, settings), through(hairs, free);
       const MotionDrive drive = Still(random.Vector(1e4), 0.05);
@@ -99,11 +135,11 @@ TYPED_TEST(MotionHullTest, NodesAreTurnedOutAsLittleAsItTakes) {
         const auto e = moving.Directions(i), was = through.Directions(i);
         const Vector3d node = moving.Nodes(kernels, i)[2];
         const Vector3d would = through.Nodes(kernels, i)[2];
-        if (Level(kHull, would) > 1e-4) {
+        if (kHull.At(would) > 1e-4) {
           EXPECT_LT((e[1] - was[1]).norm(), 1e-6);
-        } else if (Level(kHull, would) < -1e-4) {
+        } else if (kHull.At(would) < -1e-4) {
           ++turned;
-          EXPECT_LT(Level(kHull, node), 1e-4) << i;
+          EXPECT_LT(kHull.At(node), 1e-4) << i;
           const Vector3d normal = e[0].cross(was[1]);
           if (normal.norm() > 0.1) {
             EXPECT_LT(std::abs(normal.normalized().dot(e[1])), 1e-4);
@@ -113,7 +149,7 @@ TYPED_TEST(MotionHullTest, NodesAreTurnedOutAsLittleAsItTakes) {
           const Vector3d u = was[1], v = (e[1] - e[1].dot(u) * u).normalized();
           for (const double part : {0.3, 0.6, 0.95}) {
             const Vector3d nearer = std::cos(part * angle) * u + std::sin(part * angle) * v;
-            EXPECT_LT(Level(kHull, moving.Nodes(kernels, i)[1] + 0.02 * nearer), 1e-5);
+            EXPECT_LT(kHull.At(moving.Nodes(kernels, i)[1] + 0.02 * nearer), 1e-5);
           }
         }
       }
@@ -131,27 +167,27 @@ TYPED_TEST(MotionHullTest, HairLeavesTheHull) {
     settings.clamped = false;
     std::vector<OwnHair> hairs;
     for (int i = 0; i < 32; ++i) {
-      OwnHair& hair = hairs.emplace_back(random.AnyHair(20, kHull));
+      OwnHair& hair = hairs.emplace_back(fixtures::AnyHair(random, 20, kHull));
       hair.segment_length = 0.01;
       hair.root = kHull.center + 0.7 * (hair.root - kHull.center);
     }
     Moving<T> moving(hairs, settings);
     for (int step = 0; step < 50; ++step) {
-      const MotionDrive drive = random.AnyDrive(0.02);
+      const MotionDrive drive = fixtures::AnyDrive(random, 0.02);
       moving.Step(kernels, drive);
       for (int i = 0; i < 32; ++i) {
         const auto nodes = LocalNodes(moving, kernels, i, drive.head);
         bool out = false;
         for (int s = 1; s <= 20; ++s) {
-          const double level = Level(kHull, nodes[s]);
+          const double level = kHull.At(nodes[s]);
           if (!out) {
-            EXPECT_GT(level, Level(kHull, nodes[s - 1]));
+            EXPECT_GT(level, kHull.At(nodes[s - 1]));
           }
           EXPECT_TRUE(!out || level >= 0);
           out |= level >= 0;
         }
         // 0.3 of a radius below it, at most 33 mm.
-        EXPECT_GE(Level(kHull, nodes[5]), 0);
+        EXPECT_GE(kHull.At(nodes[5]), 0);
       }
     }
   });
@@ -164,11 +200,9 @@ TEST(MotionContactTest, PressedHairLiesStill) {
     settings.hull = kHull;
     std::vector<OwnHair> hairs;
     for (int i = 0; i < 30; ++i) {
-      const double zenith = 0.1 + 0.01 * i;
-      const Vector3d ball(std::sin(zenith) * std::sin(i), std::cos(zenith),
-                          std::sin(zenith) * std::cos(i));
+      const Vector3d ball = DirectionOf(0.1 + 0.01 * i, i);
       OwnHair& hair = hairs.emplace_back(Free(6, Vector3d::UnitY() + 0.1 * ball, 20));
-      hair.root = kHull.center + kHull.radii.cwiseProduct(ball);
+      hair.root = kHull.Point(0.1 + 0.01 * i, i);
       hair.drag = 2;
     }
     Moving<double> moving(hairs, settings);
@@ -176,7 +210,7 @@ TEST(MotionContactTest, PressedHairLiesStill) {
     for (int i = 0; i < 30; ++i) {
       for (const Vector3d& step : moving.Steps(i)) ASSERT_LT(step.norm(), 1e-3) << i;
       // It lies on the hull.
-      EXPECT_LT(Level(kHull, moving.Nodes(fixtures::Kernels(), i)[3]), 1e-3);
+      EXPECT_LT(kHull.At(moving.Nodes(fixtures::Kernels(), i)[3]), 1e-3);
     }
     // Released, it keeps on lying there.
     std::vector<std::vector<Vector3d>> lay;
@@ -185,115 +219,6 @@ TEST(MotionContactTest, PressedHairLiesStill) {
     for (int i = 0; i < 30; ++i) {
       EXPECT_LT((moving.Nodes(fixtures::Kernels(), i)[6] - lay[i][6]).norm(), 1e-3);
     }
-  }
-}
-
-TYPED_TEST(MotionHullTest, JointsTurnNoFurtherThanTheyMay) {
-  using T = TypeParam;
-  this->ForEveryIsa([&](const KernelTable<T>& kernels) {
-    for (const Equations equations : {Equations::kAcross, Equations::kPolar}) {
-      Random random(64);
-      MotionSettings settings;
-      settings.equations = equations;
-      settings.fluctuation = 0.3;
-      settings.largest_turn = {3, 0, 0.02F, 0.17F, 0.26F, 1, 2, static_cast<float>(pi)};
-      std::vector<OwnHair> hairs;
-      for (int i = 0; i < 20; ++i) hairs.push_back(random.AnyHair(8, kHull));
-      Moving<T> moving(hairs, settings);
-      int at_limit = 0;
-      for (int step = 0; step < 60; ++step) {
-        MotionDrive drive = random.AnyDrive(0.02);
-        drive.frame = step;
-        moving.Step(kernels, drive);
-        for (int i = 0; i < 20; ++i) {
-          const auto e = moving.Directions(i);
-          for (int s = 1; s < 8; ++s) {
-            const double turn = Angle(e[s - 1], e[s]), most = settings.largest_turn[s];
-            // Float32 resolves an angle by its cosine to 1e-7 over its sine.
-            ASSERT_LE(turn, most + (std::is_same_v<T, float> ? 2e-5 : 1e-8)) << s;
-            at_limit += turn > most - 1e-4 && s < 7;
-          }
-        }
-      }
-      EXPECT_GT(at_limit, 1000);
-    }
-  });
-}
-
-TEST(MotionFluctuationTest, IsEvenAndRare) {
-  constexpr double kLargest = 0.3;
-  MotionSettings settings;
-  settings.fluctuation = kLargest;
-  settings.clamped = false;
-  settings.seed = 5;
-  std::vector<OwnHair> hairs(640, Free(10, {0.3, -1, 0.4}, 1));
-  double sum[2] = {}, squares[2] = {}, product = 0;
-  int count = 0;
-  for (int frame = 0; frame < 30; ++frame) {
-    Moving<double> moving(hairs, settings);
-    MotionDrive drive = Still(Vector3d::Zero(), 0.01);
-    drive.frame = frame;
-    moving.Step(fixtures::Kernels(), drive);
-    for (int i = 0; i < moving.count(); ++i) {
-      const Vector3d e = hairs[i].rest[0], u = e.unitOrthogonal(), v = e.cross(u);
-      for (const Vector3d& now : moving.Directions(i)) {
-        if (frame % 10 != 0) {
-          ASSERT_LT((now - e).norm(), 1e-12);
-          continue;
-        }
-        // Turned by 2 atan(size / 2).
-        const double size = 2 * std::tan(Angle(now, e) / 2);
-        const Vector3d along = size * (now - now.dot(e) * e).normalized();
-        ASSERT_LE(size, kLargest * std::sqrt(2) * (1 + 1e-9));
-        const double part[2] = {along.dot(u), along.dot(v)};
-        for (int axis = 0; axis < 2; ++axis) {
-          sum[axis] += part[axis], squares[axis] += part[axis] * part[axis];
-        }
-        product += part[0] * part[1];
-        ++count;
-      }
-    }
-  }
-  // Means of 19,200 draws of variance kLargest^2 / 3, five deviations wide.
-  const double variance = kLargest * kLargest / 3, wide = 5 / std::sqrt(count);
-  ASSERT_EQ(count, 3 * 6400);
-  for (int axis = 0; axis < 2; ++axis) {
-    EXPECT_NEAR(sum[axis] / count, 0, wide * std::sqrt(variance));
-    EXPECT_NEAR(squares[axis] / count, variance, wide * variance);
-  }
-  EXPECT_NEAR(product / count, 0, wide * variance);
-}
-
-TEST(MotionFluctuationTest, AddsNoMotion) {
-  for (const Equations equations : {Equations::kAcross, Equations::kPolar}) {
-    MotionSettings settings;
-    settings.equations = equations;
-    settings.bounded = false;
-    settings.fluctuation = 0.3;
-    Moving<double> moving(std::vector<OwnHair>(16, Free(10, {0.3, -1, 0.4}, 1)), settings);
-    std::vector<Vector3d> before = moving.Directions(3);
-    for (int frame = 0; frame < 1000; ++frame) {
-      MotionDrive drive = Still(Vector3d::Zero(), 0.02);
-      drive.frame = frame;
-      moving.Step(fixtures::Kernels(), drive);
-      for (const Vector3d& step : moving.Steps(3)) ASSERT_LT(step.norm(), 1e-12);
-      const auto now = moving.Directions(3);
-      // The clamped one apart.
-      for (int s = 1; s < 10; ++s) {
-        ASSERT_EQ((now[s] - before[s]).norm() > 1e-9, frame % 10 == 0) << frame;
-      }
-      before = now;
-    }
-    // What moves goes on as fast.
-    const std::vector<Vector3d> rates(10, {0, 0.1, 0.3});
-    moving.Set(0, std::vector<Vector3d>(10, Vector3d::UnitX()), rates, 0.02);
-    if (equations == Equations::kPolar) continue;  // Angles go on as fast, directions need not.
-    for (int frame = 0; frame < 1000; ++frame) {
-      MotionDrive drive = Still(Vector3d::Zero(), 0.02);
-      drive.frame = frame;
-      moving.Step(fixtures::Kernels(), drive);
-    }
-    EXPECT_NEAR(moving.Steps(0)[5].norm(), 0.02 * rates[5].norm(), 1e-9);
   }
 }
 

@@ -3,6 +3,8 @@
 /// Dynamics, lane by lane (beam.md, B7 to B15); only for sources that define MANE_ISA. Some 250
 /// operations a segment; of memory, 11 rows read and 6 written.
 
+#include "beam/keep_out.h"
+#include "beam/motion_hull.h"
 #include "beam/motion_kernels.h"
 #include "beam/motion_polar.h"
 
@@ -11,11 +13,10 @@ namespace MANE_ISA {
 
 /// Hairs whose segments are given by direction and step, Equations::kAcross.
 template <typename T, int W>
-struct AcrossSegment : AtHull<T, W> {
-  using Base = AtHull<T, W>;
+struct AcrossSegment : Turns<T, W> {
+  using Base = Turns<T, W>;
   using Base::Put;
   using Base::Rows;
-  using Base::Scaled;
   using typename Base::V;
   using typename Base::Vec;
   static constexpr int kRows = layout::kAcrossState;
@@ -23,8 +24,7 @@ struct AcrossSegment : AtHull<T, W> {
   Vec e, delta;
 
   [[gnu::always_inline]] AcrossSegment(const T* state, const T& carried)
-      : e(Rows(state, layout::kDirection)),
-        delta(Scaled(V{} + carried, Rows(state, layout::kStep))) {}
+      : e(Rows(state, layout::kDirection)), delta((V{} + carried) * Rows(state, layout::kStep)) {}
 
   [[gnu::always_inline]] static Vec Direction(const T* state) {
     return Rows(state, layout::kDirection);
@@ -32,8 +32,9 @@ struct AcrossSegment : AtHull<T, W> {
   [[gnu::always_inline]] Vec Step(const Load<V>& load, const Vec& F) {
     const V square = Dot(F, F), x = load.bound * Sqrt(square);
     const V inverse = T(1) / (T(1) + load.drag + load.friction + x);
-    delta = Scaled(inverse, delta + Scaled(load.push, Base::Across(F, e)) +
-                                Scaled(load.friction, Cross(load.head_step, e)));
+    const V kept = T(1) + Base::Momentum(x, Sqrt(Dot(delta, delta)));
+    delta = inverse * (kept * delta + load.push * Base::Across(F, e) +
+                       load.friction * Cross(load.head_step, e));
     Vec turned = e;
     Base::Turn(turned, delta);
     return turned;
@@ -46,6 +47,8 @@ struct AcrossSegment : AtHull<T, W> {
   [[gnu::always_inline]] void Correct(const M& moved, const Vec& /*to*/, const Vec& step) {
     delta = Select(moved, step, delta);
   }
+  /// What is kept of a direction that it was put to.
+  [[gnu::always_inline]] Vec Kept(const Vec& to) const { return to; }
   [[gnu::always_inline]] void Write(const Vec& to, T* state) const {
     Put(to, state, layout::kDirection), Put(delta, state, layout::kStep);
   }
@@ -53,12 +56,14 @@ struct AcrossSegment : AtHull<T, W> {
 
 /// One step of W hairs.
 template <typename T, int W, typename Segment>
-struct Mover : AtHull<T, W> {
-  using Base = AtHull<T, W>;
-  using Base::All3;
+struct Mover : Turns<T, W> {
+  using Base = Turns<T, W>;
+  using Hulls = AtHull<T, W>;
+  using Out = KeepOut<T, W>;
+  using Ball = typename Hulls::Ball;
+  using Base::All;
   using Base::Row;
   using Base::Rows;
-  using Base::Scaled;
   using Base::Times;
   using typename Base::V;
   using typename Base::Vec;
@@ -71,15 +76,16 @@ struct Mover : AtHull<T, W> {
     const V d = Row(constants, layout::kSegmentLength);
     const V beta = step.drag_scale * Row(constants, layout::kDrag);
     const V tau_dt = (step.friction_scale * step.dt) * Row(constants, layout::kFriction);
-    const Vec velocity = All3(step.velocity) + Times(step.turning, root);
-    const Vec field =
-        All3(step.field) - Times(step.sway, root) + Scaled(beta, Rows(wind, 0) - velocity);
-    Load<V> load{V{}, V{}, step.dt * beta, V{}, All3(step.head_step)};
+    const Vec velocity = All(step.velocity) + Times(step.turning, root);
+    const Vec field = All(step.field) - Times(step.sway, root) + beta * (Rows(wind, 0) - velocity);
+    Load<V> load{V{}, V{}, step.dt * beta, V{}, All(step.head_step)};
 
-    // Nodes in the hull's coordinates: with directions before the step, and after it.
-    const Vec radii = All3(shape.inverse_radii), from_center = root - All3(shape.center);
-    Vec y_begin{radii.x * from_center.x, radii.y * from_center.y, radii.z * from_center.z};
-    Vec y = y_begin, previous{};
+    // Nodes: where the hull is a ball, with directions before the step; in world axes, after it, as
+    // Nodes sums them.
+    const Ball ball{step, All(shape.center)};
+    Vec p = Times(step.R, root), previous{}, y_begin = ball.At(p);
+    // Directions that are kept as angles are moved by rounding.
+    const V reach = T(1) + shape.reach_per_length * d;
 
     constants += layout::kFirstSegment * layout::kLanes;
     for (int i = 0; i < shape.segments; ++i, constants += kConstants, state += kState) {
@@ -88,25 +94,26 @@ struct Mover : AtHull<T, W> {
       const bool first = i == 0;
       Vec rest{};
       if (shape.holds || first) rest = Times(step.R, Rows(constants, layout::kRest));
-      if (shape.weakens) y_begin += Scaled(d, Times(step.to_hull, from));
+      if (shape.weakens) y_begin += d * ball.Along(from);
       Vec e = rest;
       if (first && shape.clamped) {
         segment.Correct(d == d, e, Base::Moved(from, e));
       } else {
         const V K = Row(constants, layout::kHold), lambda = Row(constants, layout::kResponse);
         Vec F = field;
-        if (shape.holds) F += Scaled(K, rest);
+        if (shape.holds) F += K * rest;
         if (shape.weakens && shape.segment[i].epsilon < T(1)) {
-          Base::Weaken(shape, step, shape.segment[i].epsilon, y_begin, F);
+          Hulls::Weaken(shape, ball, shape.segment[i].epsilon, y_begin, F);
         }
         load.push = (step.dt * step.dt) * lambda;
         load.bound = shape.bounded ? load.push : V{};
         load.friction = lambda * K * tau_dt;
         e = segment.Step(load, F);
-        Adjust(shape, step, lane, i, y, d, first ? rest : previous, from, segment, e);
+        Adjust(shape, ball, lane, i, reach, p, d, first ? rest : previous, from, segment, e);
       }
+      e = segment.Kept(e);
       segment.Write(e, state);
-      if (shape.avoid_hull) y += Scaled(d, Times(step.to_hull, e));
+      if (shape.avoid_hull) p += d * e;
       previous = e;
     }
   }
@@ -117,7 +124,7 @@ struct Mover : AtHull<T, W> {
     Vec p = Times(place.R, Rows(constants, layout::kRoot));
     Base::Put(p, nodes, 0);
     for (int i = 0; i < shape.segments; ++i, state += Segment::kRows * layout::kLanes) {
-      p += Scaled(d, Segment::Direction(state));
+      p += d * Segment::Direction(state);
       Base::Put(p, nodes, 3 * (i + 1));
     }
   }
@@ -125,35 +132,37 @@ struct Mover : AtHull<T, W> {
  private:
   // After the recurrence, in this order: B15, B14, B6. What moves a segment there moves it in
   // truth: its step becomes what it went, so that it does not go on pushing.
-  [[gnu::always_inline]] static void Adjust(const layout::MotionShape<T>& shape,
-                                            const layout::MotionStep<T>& step, int lane, int i,
-                                            const Vec& y, const V& d, const Vec& previous, Vec from,
+  [[gnu::always_inline]] static void Adjust(const layout::MotionShape<T>& shape, const Ball& ball,
+                                            int lane, int i, const V& reach, const Vec& p,
+                                            const V& d, const Vec& previous, Vec from,
                                             Segment& segment, Vec& e) {
+    const layout::MotionStep<T>& step = ball.step;
     if (step.fluctuates) {
       const Vec before = e;
       Vec drawn = Base::Drawn(shape, step, lane, i, e);
       Base::Turn(e, drawn);
       from = Base::TurnedAlong(from, before, e);
       segment.Fluctuate(before, e);
+      e = segment.Kept(e);
     }
     auto moved = d < V{};
     if (shape.joints && i > 0) moved = moved | Base::Bend(shape.segment[i], previous, e);
     auto inside = d < V{};
     V speed{};
     if (shape.avoid_hull) {
-      inside = Base::Inside(step, y, d, e);
+      inside = Out::Level(ball, p + d * e) < reach;
       if (Any(inside)) {
-        const Vec past = segment.LastStep() - Cross(All3(step.head_step), e);
+        const Vec past = segment.LastStep() - Cross(All(step.head_step), e);
         speed = Dot(past, past);
-        Base::TurnOut(step, inside, y, d, previous, e);
+        e = Out::TurnedOut(ball, reach, inside, p, d, previous, e);
         moved = moved | inside;
       }
     }
     if (!Any(moved)) return;
     Vec went = Base::Moved(from, e);
     if (shape.avoid_hull) {
-      const Vec end = y + Scaled(d, Times(step.to_hull, e)), rides = Cross(All3(step.head_step), e);
-      went = Select(inside, Base::Stopped(step, end, e, rides, speed, went), went);
+      const Vec rides = Cross(All(step.head_step), e);
+      went = Select(inside, Hulls::Stopped(ball, p + d * e, e, rides, speed, went), went);
     }
     segment.Correct(moved, e, went);
   }

@@ -31,6 +31,11 @@ enum AcrossStateRow {
   kStep = 3,       ///< delta [rad], across e, world, 3 rows.
   kAcrossState = 6,
 };
+/// Below this |sin t| the azimuth says nothing any more.
+inline constexpr double kAxis = 1e-4;
+/// Largest step of f of a direction that is put to a place [rad]: near the axis a short way is a
+/// long turn, which would go on far from it.
+inline constexpr double kMostTurn = 1.25;
 /// Equations::kPolar.
 enum PolarStateRow {
   kZenith = 0,       ///< t [rad], in [-pi, pi].
@@ -59,8 +64,10 @@ struct MotionShape {
   bool joints;   ///< Whether any turn is limited.
   bool holds;    ///< Whether any K is above 0.
   T alpha, twice_near;
-  T fluctuation;                     ///< [rad]
-  T center[3], inverse_radii[3];     ///< Of the hull, head frame.
+  T fluctuation;  ///< [rad]
+  T center[3];    ///< Of the hull, where it is the unit ball.
+  /// What E of a node must reach over the length of its segment [1/m] (B6).
+  T reach_per_length;
   const SegmentNumbers<T>* segment;  ///< (segments)
 };
 

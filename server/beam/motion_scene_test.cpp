@@ -1,8 +1,7 @@
 // What [AUK92] shows of hair in motion, with its numbers: d = rho = 1, k = 18, dt = 0.1, on a head
 // of 6 x 8 x 7.
 //   Figure 10   a gust of wind that turns: what moves with the old wind goes on for frames, and
-//   hair
-//               undulates
+//               hair undulates
 //   Figure 11   bangs pass through the forehead, unless the field is weaker there
 //   Figure 12   fluctuating hair stays smooth where its joints are limited
 
@@ -19,7 +18,6 @@ namespace {
 using Eigen::Vector3d;
 using fixtures::Angle;
 using fixtures::Kernels;
-using fixtures::Level;
 using fixtures::Moving;
 using fixtures::OwnHair;
 using fixtures::Still;
@@ -32,16 +30,14 @@ const Hull kHead{Vector3d::Zero(), {6, 8, 7}};
 // larger `fall`.
 OwnHair Hair(double zenith, double azimuth, double d, double fall) {
   OwnHair hair;
-  const Vector3d ball(std::sin(zenith) * std::sin(azimuth), std::cos(zenith),
-                      std::sin(zenith) * std::cos(azimuth));
-  hair.root = kHead.radii.cwiseProduct(ball);
+  hair.root = kHead.Point(zenith, azimuth);
   hair.segment_length = d;
-  Vector3d e = ball.cwiseQuotient(kHead.radii).normalized(), node = hair.root;
+  Vector3d e = kHead.Gradient(hair.root).normalized(), node = hair.root;
   for (int i = 0; i < kSegments; ++i) {
     e = (e - fall * Vector3d::UnitY()).normalized();
     hair.rest.push_back(e);
     node += d * e;
-    EXPECT_GT(Level(kHead, node), 0);
+    EXPECT_GT(kHead.At(node), 0);
   }
   hair.response = PublishedResponse(d, 1, kSegments);
   hair.hold.assign(kSegments, 0.0);
@@ -127,7 +123,7 @@ TEST(MotionSceneTest, BangsStayOffTheForehead) {
     }
     int count = 0;
     for (int i = 0; i < moving.count(); ++i) {
-      for (const Vector3d& node : moving.Nodes(Kernels(), i)) count += Level(kHead, node) < -1e-9;
+      for (const Vector3d& node : moving.Nodes(Kernels(), i)) count += kHead.At(node) < -1e-9;
     }
     return count;
   };

@@ -10,6 +10,8 @@
 
 #include <cmath>
 #include <cstring>
+#include <limits>
+#include <optional>
 #include <type_traits>
 
 #include "beam/test_motion.h"
@@ -60,12 +62,14 @@ TYPED_TEST(MotionTest, EqualsTheReference) {
     for (const MotionSettings& settings : AllSettings(kSegments)) {
       SCOPED_TRACE(testing::Message() << "settings " << number++);
       std::vector<OwnHair> hairs;
-      for (int i = 0; i < 21; ++i) hairs.push_back(random.AnyHair(kSegments, kHull));
+      for (int i = 0; i < 21; ++i) hairs.push_back(fixtures::AnyHair(random, kSegments, kHull));
       const Vector3d gravity(0, -9.81, 0), wind = random.Vector(3);
       const double dt = random.Uniform(0.005, 0.05);
       Moving<T> moving(hairs, settings, gravity);
-      MotionDrive drive = random.AnyDrive(dt);
+      MotionDrive drive = fixtures::AnyDrive(random, dt);
       if (number % 2 == 0) drive.frame = 30;
+      std::optional<Hull> hull;
+      if (settings.hull) hull = Lifted(*settings.hull, std::numeric_limits<T>::epsilon());
       std::vector<fixtures::ReferenceHair> expected;
       for (int i = 0; i < moving.count(); ++i) {
         const auto e = random.Directions(kSegments), rates = random.Directions(kSegments);
@@ -73,14 +77,11 @@ TYPED_TEST(MotionTest, EqualsTheReference) {
         std::vector<Vector3d> steps;
         for (const Vector3d& rate : rates) steps.emplace_back(drive.duration_before * rate);
         expected.push_back(fixtures::Begin(e, steps));
-        fixtures::ReferenceStep(hairs[i].Show(), i, gravity, settings, drive, wind,
-                                single ? 1e-5 : 1e-11, &expected.back());
+        fixtures::ReferenceStep(hairs[i].Show(), i, gravity, settings, drive, wind, hull,
+                                &expected.back());
       }
       moving.Step(kernels, drive, wind);
-      // Turning out halves an angle below a quarter turn twenty times, and what is left of it
-      // shifts the segments beyond.
-      const bool hull = settings.hull && settings.avoid_hull;
-      const double tolerance = (single ? 1e-4 : 1e-9) + (hull ? 3e-5 : 0);
+      const double tolerance = single ? 1e-4 : 1e-9;
       for (int i = 0; i < moving.count(); ++i) {
         const auto e = moving.Directions(i), steps = moving.Steps(i);
         const auto expected_steps = fixtures::StepsOf(settings, expected[i]);
@@ -88,12 +89,9 @@ TYPED_TEST(MotionTest, EqualsTheReference) {
         // float32; what is beyond it on that hair differs then.
         for (int s = 0; s < kSegments; ++s) {
           ++compared;
-          const Vector3d right =
-              settings.equations == Equations::kPolar
-                  ? Vector3d(std::sin(expected[i].angles[s].t) * std::sin(expected[i].angles[s].f),
-                             std::cos(expected[i].angles[s].t),
-                             std::sin(expected[i].angles[s].t) * std::cos(expected[i].angles[s].f))
-                  : expected[i].e[s];
+          const Vector3d right = settings.equations == Equations::kPolar
+                                     ? DirectionOf(expected[i].angles[s].t, expected[i].angles[s].f)
+                                     : expected[i].e[s];
           const double error = (e[s] - right).norm();
           if (single && error > tolerance) {
             ++far;
@@ -118,7 +116,7 @@ TYPED_TEST(MotionTest, EqualsTheReferenceOverManySteps) {
       MotionSettings settings;
       settings.equations = equations;
       std::vector<OwnHair> hairs;
-      for (int i = 0; i < 5; ++i) hairs.push_back(random.AnyHair(kSegments, kHull));
+      for (int i = 0; i < 5; ++i) hairs.push_back(fixtures::AnyHair(random, kSegments, kHull));
       const Vector3d gravity(0, -9.81, 0);
       Moving<T> moving(hairs, settings, gravity);
       std::vector<fixtures::ReferenceHair> expected;
@@ -136,7 +134,7 @@ TYPED_TEST(MotionTest, EqualsTheReferenceOverManySteps) {
         moving.Step(kernels, drive);
         for (size_t i = 0; i < hairs.size(); ++i) {
           fixtures::ReferenceStep(hairs[i].Show(), static_cast<int>(i), gravity, settings, drive,
-                                  Vector3d::Zero(), 0, &expected[i]);
+                                  Vector3d::Zero(), {}, &expected[i]);
         }
       }
       for (size_t i = 0; i < hairs.size(); ++i) {
@@ -160,12 +158,12 @@ TYPED_TEST(MotionTest, HairsDoNotDependOnOthers) {
     settings.epsilon.assign(5, 0.1F);
     settings.largest_turn.assign(5, 0.7F);
     std::vector<OwnHair> hairs;
-    for (int i = 0; i < 50; ++i) hairs.push_back(random.AnyHair(5, kHull));
+    for (int i = 0; i < 50; ++i) hairs.push_back(fixtures::AnyHair(random, 5, kHull));
     Moving<T> all(hairs, settings);
     std::vector<OwnHair> reversed(hairs.rbegin(), hairs.rend());
     Moving<T> other(reversed, settings);
     for (int step = 0; step < 30; ++step) {
-      const MotionDrive drive = random.AnyDrive(1.0 / 60);
+      const MotionDrive drive = fixtures::AnyDrive(random, 1.0 / 60);
       all.Step(kernels, drive);
       const simd::Row<T> calm[3] = {};
       for (int block = other.batch().blocks() - 1; block >= 0; --block) {
@@ -187,11 +185,11 @@ TYPED_TEST(MotionTest, FluctuationIsTheSameInAnyOrder) {
     MotionSettings settings;
     settings.fluctuation = 0.2;
     std::vector<OwnHair> hairs;
-    for (int i = 0; i < 50; ++i) hairs.push_back(random.AnyHair(5, kHull));
+    for (int i = 0; i < 50; ++i) hairs.push_back(fixtures::AnyHair(random, 5, kHull));
     Moving<T> forward(hairs, settings), backward(hairs, settings);
     const simd::Row<T> calm[3] = {};
     for (int step = 0; step < 30; ++step) {
-      MotionDrive drive = random.AnyDrive(1.0 / 60);
+      MotionDrive drive = fixtures::AnyDrive(random, 1.0 / 60);
       drive.frame = step;
       forward.Step(kernels, drive);
       for (int block = backward.batch().blocks() - 1; block >= 0; --block) {
@@ -211,7 +209,7 @@ TYPED_TEST(MotionTest, StatesGoInAndComeOut) {
     MotionSettings settings;
     settings.equations = equations;
     std::vector<OwnHair> hairs;
-    for (int i = 0; i < 18; ++i) hairs.push_back(random.AnyHair(4, kHull));
+    for (int i = 0; i < 18; ++i) hairs.push_back(fixtures::AnyHair(random, 4, kHull));
     Moving<T> moving(hairs, settings);
     const Eigen::Matrix3d turn = math::FromRotationVector(random.Vector(1)).toRotationMatrix();
     std::vector<std::vector<Vector3d>> e, rates;
@@ -263,7 +261,7 @@ TYPED_TEST(MotionTest, NodesAreThoseOfTheDirections) {
       MotionSettings settings;
       settings.equations = equations;
       std::vector<OwnHair> hairs;
-      for (int i = 0; i < 20; ++i) hairs.push_back(random.AnyHair(7, kHull));
+      for (int i = 0; i < 20; ++i) hairs.push_back(fixtures::AnyHair(random, 7, kHull));
       const Moving<T> moving(hairs, settings);
       const math::Pose head{random.Vector(1), math::FromRotationVector(random.Vector(1))};
       for (int i = 0; i < 20; ++i) {

@@ -2,18 +2,11 @@
 
 /// Turning directions and the steps that go with them; only for sources that define MANE_ISA.
 
+#include "beam/directions.h"
 #include "beam/motion_layout.h"
-#include "simd/angles.h"
-#include "simd/lanewise.h"
 
 namespace mane::beam {
 namespace MANE_ISA {
-
-using simd::MANE_ISA::Any;
-using simd::MANE_ISA::Cross;
-using simd::MANE_ISA::Dot;
-using simd::MANE_ISA::Select;
-using simd::MANE_ISA::Sqrt;
 
 /// What acts on a segment besides F.
 template <typename V>
@@ -27,72 +20,42 @@ struct Load {
 
 /// Directions e and steps delta across them, W hairs at a time.
 template <typename T, int W>
-struct Turns : simd::MANE_ISA::Lanewise<T, W> {
-  using Base = simd::MANE_ISA::Lanewise<T, W>;
+struct Turns : Directions<T, W> {
+  using Base = Directions<T, W>;
+  using Base::Across;
+  using Base::Basis;
+  using Base::kNothing;
+  using Base::Renormalised;
+  using Base::Unit;
   using typename Base::V;
   using typename Base::Vec;
 
-  // Of squared lengths: what is less is nothing but rounding.
-  static constexpr T kNothing = sizeof(T) == 4 ? T(1e-10) : T(1e-24);
-
-  /// A uniform matrix by its rows, times a.
-  [[gnu::always_inline]] static Vec Times(const T (&M)[9], const Vec& a) {
-    return {M[0] * a.x + M[1] * a.y + M[2] * a.z, M[3] * a.x + M[4] * a.y + M[5] * a.z,
-            M[6] * a.x + M[7] * a.y + M[8] * a.z};
+  /// How much more of a step of `length` [rad] is kept than a backward one keeps (B12).
+  [[gnu::always_inline]] static V Momentum(const V& x, const V& length) {
+    const V some = x / (T(1) + T(4) * x), left = T(1) - length;
+    const V most = left > T(0) ? left / (length + T(1e-20)) : V{};
+    return some < most ? some : most;
   }
-  [[gnu::always_inline]] static Vec TransposeTimes(const T (&M)[9], const Vec& a) {
-    return {M[0] * a.x + M[3] * a.y + M[6] * a.z, M[1] * a.x + M[4] * a.y + M[7] * a.z,
-            M[2] * a.x + M[5] * a.y + M[8] * a.z};
-  }
-  [[gnu::always_inline]] static Vec All3(const T (&a)[3]) {
-    return {V{} + a[0], V{} + a[1], V{} + a[2]};
-  }
-  [[gnu::always_inline]] static Vec Scaled(const V& s, const Vec& a) {
-    return {s * a.x, s * a.y, s * a.z};
-  }
-  /// a less its part along the unit vector e.
-  [[gnu::always_inline]] static Vec Across(const Vec& a, const Vec& e) {
-    return a - Scaled(Dot(a, e), e);
-  }
-  /// Of a length of about 1, to the square of what it lacks.
-  [[gnu::always_inline]] static Vec Renormalised(const Vec& e) {
-    return Scaled(T(1.5) - T(0.5) * Dot(e, e), e);
-  }
-  /// a over its length, or `otherwise` where it has none.
-  [[gnu::always_inline]] static Vec Unit(const Vec& a, const Vec& otherwise) {
-    const V square = Dot(a, a);
-    const auto some = square > kNothing;
-    const V inverse = T(1) / Sqrt(some ? square : V{} + 1);
-    return Select(some, Scaled(inverse, a), otherwise);
-  }
-  /// Two unit vectors across the unit vector e and each other.
-  [[gnu::always_inline]] static void Basis(const Vec& e, Vec& u, Vec& v) {
-    const V one = V{} + 1, sign = e.z < T(0) ? -one : one;
-    const V a = -one / (sign + e.z), b = e.x * e.y * a;
-    u = {T(1) + sign * e.x * e.x * a, sign * b, -sign * e.x};
-    v = {b, sign + e.y * e.y * a, -e.y};
-  }
-
   /// Turns e along delta by 2 atan(|delta| / 2), and delta with it (B12).
   [[gnu::always_inline]] static void Turn(Vec& e, Vec& delta) {
     const V q = T(0.25) * Dot(delta, delta), inverse = T(1) / (T(1) + q);
     const V c = (T(1) - q) * inverse;
-    const Vec turned = Scaled(c, e) + Scaled(inverse, delta);
-    delta = Scaled(c, delta) - Scaled(T(4) * q * inverse, e);
+    const Vec turned = c * e + inverse * delta;
+    delta = c * delta - (T(4) * q * inverse) * e;
     e = Renormalised(turned);
     delta = Across(delta, e);
   }
   /// delta, across e, turned as e is to `to`, along the shortest arc.
   [[gnu::always_inline]] static Vec Carried(const Vec& delta, const Vec& e, const Vec& to) {
     const V s = T(1) + Dot(e, to), share = Dot(delta, to) / (s > kNothing ? s : V{} + kNothing);
-    return Across(delta - Scaled(share, e + to), to);
+    return Across(delta - share * (e + to), to);
   }
   /// The step at `to` of a direction that came from `from` [rad]: the turned angle by its sine, to
   /// the fifth order of it, and never more than 1.25.
   [[gnu::always_inline]] static Vec Moved(const Vec& from, const Vec& to) {
-    const Vec sine = Scaled(Dot(from, to), to) - from;
+    const Vec sine = Dot(from, to) * to - from;
     const V q = Dot(sine, sine);
-    return Across(Scaled(T(1) + q * (T(1.0 / 6) + T(3.0 / 40) * q), sine), to);
+    return Across((T(1) + q * (T(1.0 / 6) + T(3.0 / 40) * q)) * sine, to);
   }
 
   /// `from` turned about as `before` is to `to`.
@@ -109,9 +72,8 @@ struct Turns : simd::MANE_ISA::Lanewise<T, W> {
       Vec u, v;
       Basis(a, u, v);
       const Vec b = Unit(Across(e, a), u);
-      e = Select(
-          beyond,
-          Renormalised(Scaled(V{} + segment.cos_turn, a) + Scaled(V{} + segment.sin_turn, b)), e);
+      e = Select(beyond, Renormalised((V{} + segment.cos_turn) * a + (V{} + segment.sin_turn) * b),
+                 e);
     }
     return beyond;
   }
@@ -132,8 +94,7 @@ struct Turns : simd::MANE_ISA::Lanewise<T, W> {
     }
     Vec u, v;
     Basis(e, u, v);
-    return Scaled(simd::MANE_ISA::Load<V>(part[0]), u) +
-           Scaled(simd::MANE_ISA::Load<V>(part[1]), v);
+    return simd::MANE_ISA::Load<V>(part[0]) * u + simd::MANE_ISA::Load<V>(part[1]) * v;
   }
 
  private:

@@ -97,11 +97,9 @@ Polar Pores::Random(int hair) const {
   const double top = std::cos(region.least_zenith), bottom = std::cos(region.greatest_zenith);
   const double least = hull_.radii.minCoeff();
   for (;;) {
-    const double y = random.Uniform(bottom, top), zenith = std::acos(y);
+    const double zenith = std::acos(random.Uniform(bottom, top));
     const double azimuth = AzimuthAt(region, azimuths_ * random.Uniform());
-    const double across = std::sin(zenith);
-    const Vector3d u(across * std::sin(azimuth), y, across * std::cos(azimuth));
-    const double area = u.cwiseQuotient(hull_.radii).norm();
+    const double area = DirectionOf(zenith, azimuth).cwiseQuotient(hull_.radii).norm();
     if (random.Uniform() < least * area) {
       return {std::clamp(zenith, region.least_zenith, region.greatest_zenith), azimuth};
     }

@@ -1,7 +1,8 @@
 // Properties of pores:
-//   place    on the hull, in the region, whichever way it goes round; hair sets out along the
-//   normal random   as many per area everywhere; the same whatever else is asked for even exactly
-//   as many as asked for, neighbours at like distances tied     on a disc across the direction
+//   place    on the hull, in the region, whichever way that goes round; hair along the normal
+//   random   as many per area everywhere; the same whatever else is asked for
+//   even     exactly as many as asked for, neighbours at like distances
+//   tied     on a disc across the direction
 
 #include "beam/pores.h"
 

@@ -10,7 +10,9 @@
 #include "beam/bend.h"
 #include "beam/bend_batch.h"
 #include "beam/cut.h"
+#include "beam/packing.h"
 #include "beam/pores.h"
+#include "beam/style_plan.h"
 #include "math/random.h"
 
 namespace mane::beam {
@@ -22,41 +24,10 @@ using simd::kLanes;
 
 constexpr float kLeastAmbient = 0.05F;
 
-// A cut and where its document has it.
-struct NamedCut {
-  const Cut* cut;
-  std::string field;
-};
-
-// A part, ready to be styled.
-struct Plan {
-  const Part* part;
-  int index;
-  Pores pores;
-  std::vector<const Force*> forces;  // Of the style, then its own.
-  std::vector<NamedCut> cuts;        // Likewise.
-  std::unique_ptr<BendBatch<float>> batch;
-  int first_hair;
-  int first_block;
-  size_t first_node;  // Of all that its hairs have before they are cut.
-};
-
-// What becomes of hairs, each written by the piece that styles it.
-struct Hairs {
-  std::vector<Vector3f> nodes;  // Before cutting, k + 1 of each.
-  std::vector<Polar> pores;
-  std::vector<int> kept;        // Nodes.
-  std::vector<uint8_t> cut_by;  // Which of the part's cuts ended it; 0 where none did.
-  std::vector<uint8_t> sunk;    // Whether its root is inside.
-  std::vector<float> ambient;
-};
-
 // Rows of one piece of work.
 struct Scratch {
   std::vector<simd::Row<float>> hairs, nodes;
 };
-
-int BlocksOf(int hairs) { return (hairs + kLanes - 1) / kLanes; }
 
 class Styler {
  public:
@@ -76,7 +47,7 @@ class Styler {
       AddCuts(part.cuts, fmt::format("{}parts[{}].", prefix_, i), &plan);
       plans_.emplace_back(std::move(plan));
       hairs_ += part.count;
-      blocks_ += BlocksOf(part.count);
+      blocks_ += simd::BlocksOf(part.count);
       nodes += static_cast<size_t>(part.count) * (part.segments + 1);
     }
     styled_.nodes.resize(nodes);
@@ -92,39 +63,14 @@ class Styler {
       Scratch scratch;
       auto plan = plans_.begin();
       for (int block = first; block < last; ++block) {
-        while (block >= plan->first_block + BlocksOf(plan->part->count)) ++plan;
+        while (block >= plan->first_block + simd::BlocksOf(plan->part->count)) ++plan;
         StyleBlock(*plan, block - plan->first_block, &scratch);
       }
     });
   }
 
-  // What does not fit the head.
   [[nodiscard]] Result<void> Check() const {
-    for (size_t i = 0; i < plans_.size(); ++i) {
-      const Plan& plan = plans_[i];
-      const auto first = styled_.sunk.begin() + plan.first_hair;
-      if (std::find(first, first + plan.part->count, 1) == first + plan.part->count) continue;
-      const Vector3d& at = *plan.part->tied_at;
-      const std::string path = fmt::format("{}parts[{}].tied_at", prefix_, i);
-      return InvalidArgument(
-          path,
-          fmt::format("{} is ({}, {}, {}) m; the disc of radius {} m about it must lie outside "
-                      "the hull",
-                      path, at.x(), at.y(), at.z(), plan.part->tied_radius));
-    }
-    for (size_t c = 0; c < style_.cuts.size(); ++c) {
-      if (const auto ok = CheckRegion(plans_, c); !ok) return ok;
-    }
-    bool any = false;
-    for (const Plan& plan : plans_) {
-      for (size_t c = style_.cuts.size(); c < plan.cuts.size(); ++c) {
-        if (const auto ok = CheckRegion({&plan, 1}, c); !ok) return ok;
-      }
-      const bool is_left = IsLeft(plan);
-      any = any || is_left;
-      if (!is_left && LastCut(plan) >= style_.cuts.size()) return NothingLeft(plan);
-    }
-    return any ? Result<void>() : NothingLeft(plans_.back());
+    return CheckFit(plans_, styled_, prefix_, style_.cuts.size());
   }
 
   // What is left, moved together.
@@ -210,7 +156,7 @@ class Styler {
     for (int lane = 0; lane < count; ++lane) {
       const auto nodes = NodesOf(plan, first + lane);
       for (int i = 0; i < static_cast<int>(nodes.size()); ++i) {
-        nodes[i] = (hull_.center + NodeOf<float>(scratch->nodes, lane, i)).cast<float>();
+        nodes[i] = (hull_.center + VectorAt(&scratch->nodes[3 * i], lane)).cast<float>();
       }
       CutHair(plan, first + lane, hairs[lane].segment_length, nodes);
     }
@@ -230,36 +176,6 @@ class Styler {
     styled_.cut_by[own] = by;
   }
 
-  [[nodiscard]] Error NothingLeft(const Plan& plan) const {
-    const std::string& path = plan.cuts[LastCut(plan)].field;
-    return InvalidArgument(path, fmt::format("{} leaves no hair", path));
-  }
-
-  // Whether cut `c` of these parts' is about any of their hairs.
-  [[nodiscard]] Result<void> CheckRegion(std::span<const Plan> plans, size_t c) const {
-    const PoreRegion& region = plans.front().cuts[c].cut->pores;
-    for (const Plan& plan : plans) {
-      const auto first = styled_.pores.begin() + plan.first_hair;
-      if (std::any_of(first, first + plan.part->count,
-                      [&](const Polar& pore) { return Contains(region, pore); })) {
-        return {};
-      }
-    }
-    const std::string path = plans.front().cuts[c].field + ".pores";
-    return InvalidArgument(path, fmt::format("{} is a region where no hair grows", path));
-  }
-
-  [[nodiscard]] bool IsLeft(const Plan& plan) const {
-    const auto first = styled_.kept.begin() + plan.first_hair;
-    return std::any_of(first, first + plan.part->count, [](int kept) { return kept > 0; });
-  }
-
-  // The last cut that ended a hair of a part.
-  [[nodiscard]] uint8_t LastCut(const Plan& plan) const {
-    const auto first = styled_.cut_by.begin() + plan.first_hair;
-    return *std::max_element(first, first + plan.part->count);
-  }
-
   const BeamStyle& style_;
   const Hull hull_;
   const Hull lifted_;
@@ -267,7 +183,7 @@ class Styler {
   std::vector<Plan> plans_;
   int hairs_ = 0;
   int blocks_ = 0;
-  Hairs styled_;
+  MadeHairs styled_;
 };
 
 }  // namespace

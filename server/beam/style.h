@@ -27,6 +27,11 @@ struct PoreRegion {
 struct HalfSpace {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitY();  ///< Any length but 0.
   double offset = 0;                                  ///< [m] for a unit normal.
+
+  /// Above its plane; not below 0 where the half-space is [m for a unit normal].
+  [[nodiscard]] double HeightOf(const Eigen::Vector3d& point) const {
+    return normal.dot(point) - offset;
+  }
 };
 
 /// What draws hair somewhere, besides gravity ([AUK92] 2.2): an acceleration that acts on segments
@@ -92,7 +97,7 @@ struct Part {
 struct BeamStyle {
   uint64_t seed = 0;
   double gravity = 9.81;  ///< [m/s^2], in [0, 1000], along -Y.
-  /// Standard deviation of the factor on k_a that each hair draws (B16), in [0, 1].
+  /// Standard deviation of the factor on k_a that each hair draws (B18), in [0, 1].
   double ambient_deviation = 0.2;
   std::vector<Part> parts;    ///< 1 to 16.
   std::vector<Force> forces;  ///< On all parts, at most 16.
@@ -104,7 +109,7 @@ struct StyledHairs {
   std::vector<uint32_t> part;          ///< Of each hair, not decreasing, (hairs).
   std::vector<uint32_t> first_node;    ///< Of each, and the total, (hairs + 1); at least 2 a hair.
   std::vector<Eigen::Vector3f> nodes;  ///< Pore first [m].
-  std::vector<float> ambient;          ///< Factor on k_a of each hair (B16), (hairs).
+  std::vector<float> ambient;          ///< Factor on k_a of each hair (B18), (hairs).
 
   [[nodiscard]] int count() const { return static_cast<int>(first_node.size()) - 1; }
 };

@@ -1,39 +1,22 @@
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <numbers>
 #include <string>
 #include <vector>
 
 #include "beam/motion.h"
+#include "beam/packing.h"
 #include "beam/response.h"
-#include "math/random.h"
+#include "beam/test_every_isa.h"
+#include "beam/test_random.h"
 #include "simd/isa.h"
 
-/// Moving hairs, and a fixture of every instruction set, that the tests of this folder share.
+/// Moving hairs for tests.
 namespace mane::beam::fixtures {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-/// A typed test of the kernels of a number type.
-template <typename T>
-class EveryIsaTest : public testing::Test {
- protected:
-  /// Calls check(kernels) for every instruction set of this machine.
-  template <typename Check>
-  void ForEveryIsa(const Check& check) {
-    for (const simd::Isa isa : simd::Supported()) {
-      SCOPED_TRACE(std::string(simd::Name(isa)));
-      check(KernelsFor<T>(isa));
-    }
-  }
-};
-
-/// Both number types.
-using Numbers = testing::Types<float, double>;
 
 inline const KernelTable<double>& Kernels() { return KernelsFor<double>(simd::Best()); }
 
@@ -115,8 +98,7 @@ class Moving {
     batch_.Nodes(kernels, i / simd::kLanes, head, state_, rows);
     std::vector<Vector3d> nodes;
     for (size_t row = 0; row < rows.size(); row += 3) {
-      const int lane = i % simd::kLanes;
-      nodes.emplace_back(rows[row].lane[lane], rows[row + 1].lane[lane], rows[row + 2].lane[lane]);
+      nodes.emplace_back(VectorAt(&rows[row], i % simd::kLanes));
     }
     return nodes;
   }
@@ -131,49 +113,27 @@ class Moving {
   std::vector<simd::Row<T>> state_;
 };
 
-/// Seeded random hairs and motions.
-class Random : public math::RandomStream {
- public:
-  explicit Random(uint64_t seed) : math::RandomStream(seed, 0) {}
-
-  Vector3d Vector(double size) { return size * Vector3d(Normal(), Normal(), Normal()); }
-  Vector3d Direction() { return Vector(1).normalized(); }
-  std::vector<Vector3d> Directions(int count) {
-    std::vector<Vector3d> e;
-    for (int i = 0; i < count; ++i) e.push_back(Direction());
-    return e;
-  }
-  /// A hair on `hull` that is held in a random shape, with some of everything.
-  OwnHair AnyHair(int segments, const Hull& hull) {
-    OwnHair hair;
-    hair.root = hull.center + hull.radii.cwiseProduct(Direction());
-    hair.segment_length = Uniform(0.002, 0.02);
-    hair.rest = Directions(segments);
-    hair.response = ResponseOf(segments * hair.segment_length, segments);
-    for (int i = 0; i < segments; ++i) hair.hold.push_back(Uniform(0, 100));
-    hair.drag = Uniform(0, 3);
-    hair.friction = Uniform(0, 0.05);
-    return hair;
-  }
-  MotionDrive AnyDrive(double dt) {
-    MotionDrive drive = Still(Vector(10), dt);
-    drive.head = {Vector(1), math::FromRotationVector(Vector(2))};
-    drive.velocity_before = Vector(1), drive.velocity = Vector(1);
-    drive.spin_before = Vector(5), drive.spin = Vector(5);
-    drive.duration_before = dt * Uniform(0.5, 2);
-    drive.drag_scale = Uniform(0, 2), drive.friction_scale = Uniform(0, 2);
-    drive.frame = Bits() % 100;
-    return drive;
-  }
-};
-
-/// E of B1.
-inline double Level(const Hull& hull, const Vector3d& point) {
-  return (point - hull.center).cwiseQuotient(hull.radii).squaredNorm() - 1;
+/// A hair on `hull` that is held in a random shape, with some of everything.
+inline OwnHair AnyHair(Random& random, int segments, const Hull& hull) {
+  OwnHair hair;
+  hair.root = hull.center + hull.radii.cwiseProduct(random.Direction());
+  hair.segment_length = random.Uniform(0.002, 0.02);
+  hair.rest = random.Directions(segments);
+  hair.response = ResponseOf(segments * hair.segment_length, segments);
+  for (int i = 0; i < segments; ++i) hair.hold.push_back(random.Uniform(0, 100));
+  hair.drag = random.Uniform(0, 3);
+  hair.friction = random.Uniform(0, 0.05);
+  return hair;
 }
-/// Half of its gradient.
-inline Vector3d HalfGradient(const Hull& hull, const Vector3d& point) {
-  return (point - hull.center).cwiseQuotient(hull.radii.cwiseProduct(hull.radii));
+inline MotionDrive AnyDrive(Random& random, double dt) {
+  MotionDrive drive = Still(random.Vector(10), dt);
+  drive.head = {random.Vector(1), math::FromRotationVector(random.Vector(2))};
+  drive.velocity_before = random.Vector(1), drive.velocity = random.Vector(1);
+  drive.spin_before = random.Vector(5), drive.spin = random.Vector(5);
+  drive.duration_before = dt * random.Uniform(0.5, 2);
+  drive.drag_scale = random.Uniform(0, 2), drive.friction_scale = random.Uniform(0, 2);
+  drive.frame = random.Bits() % 100;
+  return drive;
 }
 
 /// The angle between unit vectors [rad].

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "beam/bend.h"
 #include "beam/test_motion.h"
 
 namespace mane::beam::fixtures {
@@ -69,29 +70,9 @@ Vector3d Drawn(const MotionSettings& settings, uint64_t frame, int index, int se
   return part[0] * u + part[1] * v;
 }
 
-// B6: e of a segment from p turned out in the plane of a and e, to within 1e-12 rad.
-Vector3d TurnedOut(const Hull& hull, const Vector3d& p, double d, const Vector3d& a,
-                   const Vector3d& e, double margin) {
-  const Vector3d g = HalfGradient(hull, p).normalized();
-  Vector3d first = a, second = Across(e, a);
-  if (second.squaredNorm() <= 1e-6) second = Across(g, a);
-  second.normalize();
-  if (std::pow(g.dot(first), 2) + std::pow(g.dot(second), 2) < 1e-4) {
-    first = g;
-    second = Across(e, g).normalized();
-  }
-  const Vector3d t = (g.dot(first) * first + g.dot(second) * second).normalized();
-  Vector3d s = first.cross(second).cross(t);
-  if (s.dot(e) < 0) s = -s;
-  const auto at = [&](double psi) { return std::cos(psi) * s - std::sin(psi) * t; };
-  const auto level = [&](double psi) { return Level(hull, p + d * at(psi)) - margin; };
-  if (level(0) < 0) return g;
-  double low = 0, high = std::max(0.0, std::atan2(-e.dot(t), e.dot(s)));
-  while (high - low > 1e-13) {
-    const double middle = (low + high) / 2;
-    (level(middle) >= 0 ? low : high) = middle;
-  }
-  return at(low);
+// Of a step of `length`, over what a backward one keeps (B12).
+double Kept(double x, double length) {
+  return 1 + std::min(x / (1 + 4 * x), length < 1 ? (1 - length) / std::max(length, 1e-20) : 0.0);
 }
 
 }  // namespace
@@ -119,7 +100,7 @@ std::vector<Vector3d> StepsOf(const MotionSettings& settings, const ReferenceHai
 
 void ReferenceStep(const MotionHair& hair, int index, const Vector3d& gravity,
                    const MotionSettings& settings, const MotionDrive& drive, const Vector3d& wind,
-                   double margin, ReferenceHair* state) {
+                   const std::optional<Hull>& hull, ReferenceHair* state) {
   const bool polar = settings.equations == Equations::kPolar;
   const double dt = drive.duration;
   const double dt_before = drive.duration_before > 0 ? drive.duration_before : dt;
@@ -145,10 +126,10 @@ void ReferenceStep(const MotionHair& hair, int index, const Vector3d& gravity,
     p_begin += hair.segment_length * (R.transpose() * from);
 
     Vector3d F = R * (hair.hold[i] * hair.rest[i] - gravity) + g;
-    if (settings.hull && !settings.epsilon.empty()) {
-      const Vector3d D = 2 * R * HalfGradient(*settings.hull, p_begin);
+    if (hull && !settings.epsilon.empty()) {
+      const Vector3d D = R * hull->Gradient(p_begin);
       if (D.dot(F) < settings.alpha * D.norm() * F.norm() &&
-          Level(*settings.hull, p_begin) < settings.near * D.norm()) {
+          hull->At(p_begin) < settings.near * D.norm()) {
         F *= static_cast<double>(settings.epsilon[i]);
       }
     }
@@ -175,14 +156,18 @@ void ReferenceStep(const MotionHair& hair, int index, const Vector3d& gravity,
         }
         const double s = std::sin(at.t);
         const Vector3d rides = w.cross(E(at.t, at.f)), u = U(at.t, at.f), v = V(at.f);
-        at.t_step = (at.t_step + push * F.dot(u) + f * rides.dot(u)) / (1 + beta * dt + f + x);
-        at.f_step = (at.f_step + s * push * F.dot(v) + s * f * rides.dot(v)) /
+        at.t_step =
+            (Kept(x, std::abs(at.t_step)) * at.t_step + push * F.dot(u) + f * rides.dot(u)) /
+            (1 + beta * dt + f + x);
+        at.f_step = (Kept(std::abs(s) * x, std::abs(at.f_step)) * at.f_step + s * push * F.dot(v) +
+                     s * f * rides.dot(v)) /
                     (1 + beta * dt + s * s * f + std::abs(s) * x);
         at.t = Wrap(at.t + at.t_step);
         at.f = Wrap(at.f + at.f_step);
         e = E(at.t, at.f);
       } else {
-        delta = (delta + push * Across(F, from) + f * w.cross(from)) / (1 + beta * dt + f + x);
+        delta = (Kept(x, delta.norm()) * delta + push * Across(F, from) + f * w.cross(from)) /
+                (1 + beta * dt + f + x);
         const Matrix3d turn = Turn(from, delta);
         e = turn * from;
         delta = turn * delta;
@@ -206,14 +191,14 @@ void ReferenceStep(const MotionHair& hair, int index, const Vector3d& gravity,
         }
       }
       // B6.
-      if (settings.hull && settings.avoid_hull) {
+      if (hull && settings.avoid_hull) {
         const Vector3d local = R.transpose() * e;
-        if (Level(*settings.hull, p + hair.segment_length * local) < margin) {
+        if (hull->At(p + hair.segment_length * local) < 0) {
           const Vector3d a = R.transpose() * (i == 0 ? rest : previous);
           const Vector3d last =
               polar ? at.t_step * U(at.t, at.f) + at.f_step * std::sin(at.t) * V(at.f) : delta;
           speed = (last - w.cross(e)).norm();
-          e = R * TurnedOut(*settings.hull, p, hair.segment_length, a, local, margin);
+          e = R * TurnedOut(*hull, p, hair.segment_length, a, local);
           corrected = inside = true;
         }
       }
@@ -222,7 +207,7 @@ void ReferenceStep(const MotionHair& hair, int index, const Vector3d& gravity,
       Vector3d went = Moved(from, e);
       if (inside) {
         const Vector3d end = p + hair.segment_length * (R.transpose() * e);
-        const Vector3d n = Across(R * HalfGradient(*settings.hull, end), e).normalized();
+        const Vector3d n = Across(R * hull->Gradient(end), e).normalized();
         Vector3d past = went - w.cross(e);
         past -= std::min(0.0, past.dot(n)) * n;
         went = w.cross(e) + std::min(1.0, speed / past.norm()) * past;

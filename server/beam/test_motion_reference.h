@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -23,9 +24,12 @@ struct ReferenceHair {
                                   std::span<const Eigen::Vector3d> steps);
 
 /// One step of hair `index` of a batch.
+///
+/// @param hull  the lifted one of the settings (Lifted); empty for none.
 void ReferenceStep(const MotionHair& hair, int index, const Eigen::Vector3d& gravity,
                    const MotionSettings& settings, const MotionDrive& drive,
-                   const Eigen::Vector3d& wind, double margin, ReferenceHair* state);
+                   const Eigen::Vector3d& wind, const std::optional<Hull>& hull,
+                   ReferenceHair* state);
 
 /// Last steps [rad] as vectors across the directions.
 [[nodiscard]] std::vector<Eigen::Vector3d> StepsOf(const MotionSettings& settings,

@@ -18,10 +18,10 @@
 #include <string>
 #include <vector>
 
+#include "base/test_allocations.h"
 #include "contact/test_meshes.h"
 #include "rod/chain.h"
 #include "rod/energy.h"
-#include "rod/test_allocations.h"
 #include "rod/test_batches.h"
 
 namespace mane::contact {
@@ -366,7 +366,7 @@ TEST(BatchContactTest, WarmStepsDoNotAllocate) {
   }
   hair.Pack();
   ASSERT_EQ(hair.Step({{}, {}, kDt}, {}, {}), 0U);
-  const rod::fixtures::AllocationCount count;
+  const mane::fixtures::AllocationCount count;
   for (int i = 0; i < 20; ++i) ASSERT_EQ(hair.Step({{}, {}, kDt}, {}, {}), 0U);
   EXPECT_EQ(count.count(), 0);
 }

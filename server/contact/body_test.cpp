@@ -15,8 +15,8 @@
 #include <random>
 #include <vector>
 
+#include "base/test_allocations.h"
 #include "contact/test_meshes.h"
-#include "rod/test_allocations.h"
 
 namespace mane::contact {
 namespace {
@@ -115,7 +115,7 @@ TEST_F(BodyTest, BatchesFollowSingleQueriesAndAllocateNothing) {
   const BodyDistanceSpans out{{d, nx, ny, nz}, vx, vy, vz, body};
   long allocations;
   {
-    const rod::fixtures::AllocationCount count;
+    const mane::fixtures::AllocationCount count;
     At(bodies, 0.3, {x, y, z}, out);
     allocations = count.count();
   }

@@ -15,10 +15,10 @@
 #include <cstdio>
 #include <limits>
 
+#include "base/test_allocations.h"
 #include "contact/test_wisps.h"
 #include "math/random.h"
 #include "rod/scheme.h"
-#include "rod/test_allocations.h"
 
 namespace mane::contact {
 namespace {
@@ -260,7 +260,7 @@ TEST_F(DensityGridTest, AWarmGridAllocatesNothingAndItsCostIsLinear) {
     Impulses impulses(hair.size());
     double time = 1e9;
     for (int i = 0; i < 3; ++i) {
-      const rod::fixtures::AllocationCount count;
+      const mane::fixtures::AllocationCount count;
       const double start = CpuTime();
       grid.Build({hair.x, hair.y, hair.z}, hair.mass, pool_);
       grid.AddPressure(rest, kDt, pool_, impulses.View());

@@ -18,11 +18,11 @@
 #include <utility>
 #include <vector>
 
+#include "base/test_allocations.h"
 #include "contact/mesh_field.h"
 #include "contact/repair.h"
 #include "contact/solid_distance.h"
 #include "contact/test_meshes.h"
-#include "rod/test_allocations.h"
 
 namespace mane::contact {
 namespace {
@@ -307,7 +307,7 @@ TEST_F(FieldTest, QueriesAllocateNothingAndFollowSingleOnes) {
   }
   long allocations;
   {
-    const rod::fixtures::AllocationCount count;
+    const mane::fixtures::AllocationCount count;
     field->At({x, y, z}, {d, nx, ny, nz});
     allocations = count.count();
   }

@@ -21,12 +21,12 @@
 #include <limits>
 #include <map>
 
+#include "base/test_allocations.h"
 #include "contact/segment_distance.h"
 #include "contact/test_wisps.h"
 #include "contact/wisp_impulse.h"
 #include "math/random.h"
 #include "rod/scheme.h"
-#include "rod/test_allocations.h"
 
 namespace mane::contact {
 namespace {
@@ -408,7 +408,7 @@ TEST(WispPairsTest, AWarmTrackerAllocatesNothing) {
   };
   tracking.impulses = Impulses(hair.size());
   for (int i = 0; i < 3; ++i) step();
-  const rod::fixtures::AllocationCount count;
+  const mane::fixtures::AllocationCount count;
   for (int i = 0; i < 3; ++i) step();
   EXPECT_EQ(count.count(), 0);
 }

@@ -16,8 +16,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "base/test_allocations.h"
 #include "rod/chain.h"
-#include "rod/test_allocations.h"
 #include "rod/test_batches.h"
 #include "rod/test_strands.h"
 
@@ -381,7 +381,7 @@ TYPED_TEST(BatchTest, AWarmStepDoesNotAllocate) {
     Packed<T> packed = AnyPacked<T>(random, 40, 5, 3);
     const ClampMotion motion = random.AnyMotion(0.01);
     (void)packed.Step(kernels, motion, Surroundings{});
-    const fixtures::AllocationCount allocations;
+    const mane::fixtures::AllocationCount allocations;
     (void)packed.Step(kernels, motion, Surroundings{});
     EXPECT_EQ(allocations.count(), 0);
   });

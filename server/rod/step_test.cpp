@@ -17,7 +17,7 @@
 #include <limits>
 
 #include "base/check_failure.h"
-#include "rod/test_allocations.h"
+#include "base/test_allocations.h"
 #include "rod/test_oracle.h"
 #include "rod/test_strands.h"
 
@@ -159,7 +159,7 @@ TEST(StepTest, WarmStepsDoNotAllocate) {
   ASSERT_TRUE(Step(strand, clamp, air, state.View(), scratch));
   long warm = -1, cold = -1;
   {
-    const fixtures::AllocationCount allocations;
+    const mane::fixtures::AllocationCount allocations;
     for (int i = 0; i < 10; ++i) {
       (void)Step(strand, clamp, air, state.View(), scratch);
       (void)Step(shorter, clamp, air, other.View(), scratch);
@@ -168,7 +168,7 @@ TEST(StepTest, WarmStepsDoNotAllocate) {
   }
   EXPECT_EQ(warm, 0);
   {  // The counter counts: a cold step does allocate.
-    const fixtures::AllocationCount allocations;
+    const mane::fixtures::AllocationCount allocations;
     StepScratch fresh;
     (void)Step(strand, clamp, air, state.View(), fresh);
     cold = allocations.count();

@@ -18,7 +18,7 @@
 #include <limits>
 
 #include "base/check_failure.h"
-#include "rod/test_allocations.h"
+#include "base/test_allocations.h"
 #include "rod/test_wound.h"
 #include "rod/test_wound_oracle.h"
 
@@ -239,7 +239,7 @@ TEST(WoundTest, WarmStepsDoNotAllocate) {
   ASSERT_TRUE(Step(wound, clamp, air, state.View(), scratch));
   long warm = -1, cold = -1;
   {
-    const fixtures::AllocationCount allocations;
+    const mane::fixtures::AllocationCount allocations;
     for (int i = 0; i < 10; ++i) {
       (void)Step(wound, clamp, air, state.View(), scratch);
       (void)Step(shorter, clamp, air, other.View(), scratch);
@@ -248,7 +248,7 @@ TEST(WoundTest, WarmStepsDoNotAllocate) {
   }
   EXPECT_EQ(warm, 0);
   {  // The counter counts: a cold step does allocate.
-    const fixtures::AllocationCount allocations;
+    const mane::fixtures::AllocationCount allocations;
     WoundScratch fresh;
     (void)Step(wound, clamp, air, state.View(), fresh);
     cold = allocations.count();

@@ -47,6 +47,7 @@ class Head {
     const std::vector<double> hold = beam::HoldOf(5e-9, 5e-6, kLength, segments);
     const std::vector<double> response = beam::ResponseOf(kLength, segments);
     std::vector<MotionHair> hairs;
+    hairs.reserve(count);
     for (int i = 0; i < count; ++i) {
       hairs.push_back({roots[i], kLength / segments, rests[i], response, hold, 1.0, 0.02});
     }

@@ -1,6 +1,6 @@
 #pragma once
 
-namespace mane::rod::fixtures {
+namespace mane::fixtures {
 
 /// Counts this thread's heap allocations, malloc and all that is built on it, while it lives.
 class AllocationCount {
@@ -10,4 +10,4 @@ class AllocationCount {
   [[nodiscard]] long count() const;
 };
 
-}  // namespace mane::rod::fixtures
+}  // namespace mane::fixtures

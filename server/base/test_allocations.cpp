@@ -1,4 +1,4 @@
-#include "rod/test_allocations.h"
+#include "base/test_allocations.h"
 
 #include <cerrno>
 #include <cstddef>
@@ -49,7 +49,7 @@ int posix_memalign(void** block, size_t alignment, size_t size) {
 
 #endif
 
-namespace mane::rod::fixtures {
+namespace mane::fixtures {
 
 AllocationCount::AllocationCount() {
   allocations = 0;
@@ -58,4 +58,4 @@ AllocationCount::AllocationCount() {
 AllocationCount::~AllocationCount() { counting = false; }
 long AllocationCount::count() const { return allocations; }
 
-}  // namespace mane::rod::fixtures
+}  // namespace mane::fixtures
