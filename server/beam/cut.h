@@ -20,6 +20,7 @@ namespace mane::beam {
 /// Leaves so many segments of a hair: moves the node where it ends to there.
 ///
 /// @param kept   in [0, k]
+/// @param hull   the lifted one (Lifted), so that rounding leaves no end inside.
 /// @param nodes  head frame [m], (k + 1); changed.
 /// @return nodes that stay; 0 where fewer than two would.
 [[nodiscard]] int EndHair(double kept, const Hull& hull, std::span<Eigen::Vector3f> nodes);

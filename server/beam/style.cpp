@@ -172,7 +172,7 @@ class Styler {
       const double left = KeptBy(cut, nodes, segment_length);
       if (left < kept) kept = left, by = static_cast<uint8_t>(c);
     }
-    styled_.kept[own] = EndHair(kept, hull_, nodes);
+    styled_.kept[own] = EndHair(kept, lifted_, nodes);
     styled_.cut_by[own] = by;
   }
 
