@@ -201,22 +201,22 @@ void HeadSession::PrepareDetail() {
 }
 
 BeamLibrary::BeamsPtr HeadSession::PrepareBeams() {
+  const bool lockstep = options_.pacing == Pacing::kLockstep;
   {
     std::lock_guard lock(mutex_);
     if (prepared_ != nullptr && prepared_->options == wanted_.beam) return prepared_;
+    // One at a time, however often the client changes its mind.
+    if (!lockstep && std::exchange(preparing_, true)) return nullptr;
   }
-  if (options_.pacing == Pacing::kLockstep) {
-    BeamLibrary::BeamsPtr made = beams_.FindOrMake(asset_, wanted_.beam);
-    std::lock_guard lock(mutex_);
-    return prepared_ = std::move(made);
-  }
-  if (beams_ordered_ == wanted_.beam) return nullptr;
-  beams_ordered_ = wanted_.beam;
-  Start(beams_.pool(), [this, beam = wanted_.beam] {
+  const auto prepare = [this, beam = wanted_.beam] {
     BeamLibrary::BeamsPtr made = beams_.FindOrMake(asset_, beam);
     std::lock_guard lock(mutex_);
-    prepared_ = std::move(made);
-  });
+    preparing_ = false;
+    prepared_.swap(made);  // Those before go without the lock.
+    return prepared_;
+  };
+  if (lockstep) return prepare();
+  Start(beams_.pool(), prepare);
   return nullptr;
 }
 

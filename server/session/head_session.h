@@ -138,9 +138,7 @@ class HeadSession : public std::enable_shared_from_this<HeadSession> {
   bool placed_ = false;          // The first pose has come.
   bool levels_ordered_ = false;  // Real time: a task makes them, or has made them.
   head::ModelOptions wanted_;    // Of commands that were worked off.
-  // Real time: what a task makes, or has made.
-  std::optional<head::BeamOptions> beams_ordered_;
-  bool shed_ = false;  // Beams stand in for what is wanted.
+  bool shed_ = false;            // Beams stand in for what is wanted.
 
   mutable std::mutex mutex_;
   bool running_ = false;          // A task works or waits for its turn.
@@ -154,6 +152,7 @@ class HeadSession : public std::enable_shared_from_this<HeadSession> {
   uint64_t next_frame_ = 1;
   head::ModelOptions asked_;        // The newest, of commands that wait, too.
   BeamLibrary::BeamsPtr prepared_;  // Those made last.
+  bool preparing_ = false;          // Real time: a task makes others.
   Shedding shedding_;
   uint64_t late_ = 0;  // Missed ticks not yet told.
   double told_late_at_ = 0;

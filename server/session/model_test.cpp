@@ -4,7 +4,11 @@
 //   diagnostics frames of BEAM carry none
 //   room        a change that there is no room for is refused; a change back never is
 //   shared      heads of one groom and one kind share their beams, which go with the last
+//   one         real time: beams are made one kind at a time, however often the client changes
 //   shed        a head that may be shed becomes BEAM while its frames come late, and says so
+
+#include <atomic>
+#include <future>
 
 #include "base/clock.h"
 #include "session/admission.h"
@@ -137,6 +141,57 @@ TEST_F(ModelTest, HeadsOfOneKindShareTheirBeams) {
   const std::weak_ptr<const head::Beams> gone = first;
   first.reset();
   EXPECT_TRUE(gone.expired());
+}
+
+// Counts what a head has done: its frames, and beams that were made for it.
+class CountingSink final : public FrameSink {
+ public:
+  void OnProgress() override { ++progress; }
+  void OnNotice(const Notice&) override {}
+  void OnEnd(const Error&) override { ended = true; }
+  std::atomic<int> progress = 0;
+  std::atomic<bool> ended = false;
+};
+
+TEST_F(ModelTest, BeamsAreMadeOneKindAtATime) {
+  exec::WorkerPool making(1);
+  LevelLibrary levels(making);
+  BeamLibrary library(making);
+  std::promise<void> gate;
+  making.Post([open = gate.get_future().share()] { open.wait(); });
+  const auto head = std::make_shared<HeadSession>("heads/1", Asset{groom_}, HeadOptions{}, pool_,
+                                                  levels, library);
+  CountingSink sink;
+  head->Attach(&sink);
+  double due = base::SteadySeconds();
+  const auto tick = [&] {
+    head->Tick(due += 1 / 60.0, 0);
+    pool_.WaitIdle();
+  };
+  constexpr int kKinds = 20;
+  for (int i = 0; i < kKinds; ++i) {
+    ASSERT_TRUE(head->Submit(ModelCommand{Beam(8 + i)}));
+    tick();
+  }
+  EXPECT_EQ(sink.progress, kKinds);
+  gate.set_value();
+  making.WaitIdle();
+  EXPECT_EQ(sink.progress, kKinds + 1);
+  // The kind that is wanted comes next.
+  tick();
+  making.WaitIdle();
+  tick();
+  EXPECT_EQ(sink.progress, kKinds + 4);
+  FramePtr newest;
+  for (auto out = head->TakeFrame(); out.frame; out = head->TakeFrame()) {
+    newest = out.frame;
+    ASSERT_TRUE(head->Acknowledge(newest->index));
+  }
+  ASSERT_NE(newest, nullptr);
+  EXPECT_EQ(newest->model, head::Model::kBeam);
+  EXPECT_EQ(newest->stepped_elements, 12 * (8 + kKinds - 1));
+  EXPECT_FALSE(sink.ended);
+  head->Detach(&sink);
 }
 
 TEST_F(ModelTest, AHeadThatMayBeShedBecomesBeamsWhileFramesComeLate) {
