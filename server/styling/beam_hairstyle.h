@@ -35,8 +35,8 @@ struct BeamHairstyle {
 /// Applies a style by beams to a head.
 ///
 /// Guides: pores of each part are divided among as many cells (FarthestPointCells) as its share of
-/// `guide_count` by hairs, at least one. Of each cell the hair of most nodes, of those the longest,
-/// is the guide; its hairs ride on it.
+/// `guide_count` by hairs, at least one; together they are no more than that, or than parts. Of
+/// each cell the hair of most nodes, of those the longest, is the guide; its hairs ride on it.
 ///
 /// On a mesh a hair begins with one more point: the skin, on the line from its pore to the hull's
 /// center, at least 1 mm below the pore; as much where there is no skin. The hull is larger than

@@ -143,6 +143,23 @@ TEST(BeamHairstyle, GuidesAreNoMoreThanHairsAndAtLeastOneAPart) {
   EXPECT_EQ(count(1000), 15U);
 }
 
+TEST(BeamHairstyle, SmallPartsHaveTheirGuidesFromTheLargest) {
+  exec::WorkerPool pool(1);
+  beam::BeamStyle style = TwoParts();
+  style.parts[0].cuts.clear();
+  style.parts[1].count = 1;
+  for (int i = 2; i < 6; ++i) style.parts.push_back(style.parts[1]);
+  for (const int guides : {6, 20, 600}) {
+    const auto made = MakeBeamHairstyle(style, guides, Ball(), "style", pool);
+    ASSERT_TRUE(made);
+    EXPECT_EQ(made->guides.size(), static_cast<size_t>(guides));
+    for (int last = 0; last < 5; ++last) {
+      const auto end = made->first_member.end() - 1 - last;
+      EXPECT_EQ(end[0] - end[-1], 1U);
+    }
+  }
+}
+
 TEST(BeamHairstyle, BeginsOnTheSkinOfAMesh) {
   // A head that its hull, which encloses a horn, is much larger than.
   groom::TriangleMesh mesh = Dome(kCenter, 2.5, 30);
