@@ -17,6 +17,9 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
+// Of a hull, as of a scalp that is an ellipsoid [m]: hairs lie within what a groom's can be from
+// their guides (groom::kOffsetUnitRange).
+constexpr double kLargestRadius = 10;
 constexpr double kLeastDepth = 1e-3;  // Of skin below its pore [m].
 constexpr Hsv kDarkBrown{0.07F, 0.5F, 0.3F};
 // Pieces of work between two looks whether it is still wanted.
@@ -168,7 +171,12 @@ Result<beam::Hull> HullOf(const groom::Scalp& scalp) {
   }
   auto hull = beam::FitHull(HeadOf(std::get<groom::TriangleMesh>(scalp)));
   if (!hull) return Error{hull.error().code, hull.error().message, "scalp_mesh"};
-  return hull;
+  const Vector3d& radii = hull->radii;
+  if (radii.maxCoeff() <= kLargestRadius) return hull;
+  return InvalidArgument("scalp_mesh",
+                         fmt::format("scalp_mesh has a hull of radii ({:.6g}, {:.6g}, {:.6g}) m; "
+                                     "each must be at most {} m",
+                                     radii.x(), radii.y(), radii.z(), kLargestRadius));
 }
 
 Result<BeamHairstyle> MakeBeamHairstyle(const beam::BeamStyle& style, int guide_count,

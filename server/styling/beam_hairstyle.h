@@ -29,7 +29,8 @@ struct BeamHairstyle {
 /// within their extent to the sides, front and back: neither of the jaw, which an ellipsoid around
 /// the skull fits badly, nor of neck and shoulders. Hair that grows everywhere: of all of the mesh.
 ///
-/// @param scalp  valid and not empty. @return INVALID_ARGUMENT naming `scalp_mesh`.
+/// @param scalp  valid and not empty. @return INVALID_ARGUMENT naming `scalp_mesh`, also where a
+///   radius would be above 10 m.
 [[nodiscard]] Result<beam::Hull> HullOf(const groom::Scalp& scalp);
 
 /// Applies a style by beams to a head.

@@ -104,6 +104,18 @@ TEST(BeamHull, OfAFlatMeshIsRefusedByName) {
   EXPECT_EQ(hull.error().field, "scalp_mesh");
 }
 
+TEST(BeamHull, OfAMeshThatIsTooLargeIsRefusedByName) {
+  for (const double radius : {9.9, 10.1}) {
+    groom::TriangleMesh mesh = Dome(Vector3d::Zero(), 1.5, 20);
+    for (Vector3f& vertex : mesh.vertices) vertex *= static_cast<float>(radius / kDomeRadius);
+    const auto hull = HullOf(mesh);
+    ASSERT_EQ(static_cast<bool>(hull), radius < 10) << radius;
+    if (!hull) {
+      EXPECT_EQ(hull.error().field, "scalp_mesh");
+    }
+  }
+}
+
 TEST(BeamHairstyle, EveryHairRidesOnALongOneOfItsPart) {
   const BeamHairstyle made = Make(Ball());
   ASSERT_EQ(made.guides.size(), size_t{kGuides});
