@@ -226,7 +226,9 @@ void HeadSession::PrepareModel(bool shed) {
   BeamLibrary::BeamsPtr beams = beam ? PrepareBeams() : nullptr;
   if (beam && beams == nullptr) return;
   head::SwitchModel(*groom_, std::move(beams), options_.view.points_per_guide, &state_, pool_);
-  if (std::exchange(shed_, stand_in) == stand_in) return;
+  const bool before = std::exchange(shed_, stand_in);
+  // Hair that its client wants to be beams meanwhile is as it was asked to be.
+  if (before == stand_in || (before && beam)) return;
   Notify({Notice::Code::kModel, 0, beam ? head::Model::kBeam : head::Model::kSuperHelix,
           stand_in ? "frames came late: the hair is animated as BEAM until they no longer do"
                    : "the hair is animated as before frames came late"});

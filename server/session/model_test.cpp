@@ -221,10 +221,19 @@ TEST_F(ModelTest, AHeadThatMayBeShedBecomesBeamsWhileFramesComeLate) {
     tick(0);
     EXPECT_EQ(stream.frames().back()->model,
               may_shed ? head::Model::kBeam : head::Model::kSuperHelix);
-    const auto told = std::ranges::count_if(stream.notices_, [](const Notice& notice) {
-      return notice.code == Notice::Code::kModel && notice.model == head::Model::kBeam;
-    });
-    EXPECT_EQ(told, may_shed ? 1 : 0);
+    const auto told = [&](head::Model model) {
+      return std::ranges::count_if(stream.notices_, [model](const Notice& notice) {
+        return notice.code == Notice::Code::kModel && notice.model == model;
+      });
+    };
+    EXPECT_EQ(told(head::Model::kBeam), may_shed ? 1 : 0);
+    // That the client gets what it asks for is nothing to be told.
+    ASSERT_TRUE(head->Submit(ModelCommand{{head::Model::kBeam, {}}}));
+    tick(0);
+    tick(0);
+    EXPECT_EQ(stream.frames().back()->model, head::Model::kBeam);
+    EXPECT_EQ(told(head::Model::kBeam), may_shed ? 1 : 0);
+    EXPECT_EQ(told(head::Model::kSuperHelix), 0);
     head->Detach(&stream);
   }
 }
