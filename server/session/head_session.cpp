@@ -225,7 +225,14 @@ void HeadSession::PrepareModel(bool shed) {
   const bool beam = stand_in || wanted_.model == head::Model::kBeam;
   BeamLibrary::BeamsPtr beams = beam ? PrepareBeams() : nullptr;
   if (beam && beams == nullptr) return;
-  head::SwitchModel(*groom_, std::move(beams), options_.view.points_per_guide, &state_, pool_);
+  if (beams != state_.beams.beams) {
+    if (options_.pacing == Pacing::kRealtime) {
+      // It takes as long as dozens of frames, which nobody has reckoned with.
+      if (last_due_ - changed_due_ < head::kTransitionTime) return;
+      changed_due_ = last_due_;
+    }
+    head::SwitchModel(*groom_, std::move(beams), options_.view.points_per_guide, &state_, pool_);
+  }
   const bool before = std::exchange(shed_, stand_in);
   // Hair that its client wants to be beams meanwhile is as it was asked to be.
   if (before == stand_in || (before && beam)) return;

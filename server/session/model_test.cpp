@@ -2,8 +2,10 @@
 //   open        a head opened as BEAM is animated so from its first frame, and says so
 //   change      LOCKSTEP: from the next pose on, the same bits each time; real time: once ready
 //   diagnostics frames of BEAM carry none
-//   room        a change that there is no room for is refused; a change back never is
+//   room        a change that there is no room for is refused, in time or in memory; a change back
+//               never is
 //   shared      heads of one groom and one kind share their beams, which go with the last
+//   pace        real time: it changes again only once the change before is over
 //   one         real time: beams are made one kind at a time, however often the client changes
 //   shed        a head that may be shed becomes BEAM while its frames come late, and says so
 
@@ -11,6 +13,8 @@
 #include <future>
 
 #include "base/clock.h"
+#include "head/memory.h"
+#include "head/model_switch.h"
 #include "session/admission.h"
 #include "session/test_heads.h"
 
@@ -86,9 +90,11 @@ TEST_F(ModelTest, RealTimeChangesOnceBeamsAreReadyAndBack) {
   const auto head = Open(registry, stream, Pacing::kRealtime);
   ASSERT_TRUE(head->Submit(Pose(0)));
   ASSERT_TRUE(head->Submit(ModelCommand{Beam()}));
-  const auto shows = [](head::Model model) {
-    return [model](const TestStream& s) {
-      return !s.frames_.empty() && s.frames_.back()->model == model;
+  const auto shows = [&head](head::Model model) {
+    return [&head, model](const TestStream& s) {
+      if (s.frames_.empty()) return false;
+      (void)head->Acknowledge(s.frames_.back()->index);
+      return s.frames_.back()->model == model;
     };
   };
   EXPECT_TRUE(stream.WaitFor(shows(head::Model::kBeam)));
@@ -118,6 +124,41 @@ TEST_F(ModelTest, AChangeNeedsRoomAndAChangeBackDoesNot) {
   EXPECT_TRUE(registry.AdmitModel(one, {}));
   registry.Close(one, &first);
   EXPECT_TRUE(registry.AdmitModel(two, {}));
+}
+
+TEST_F(ModelTest, MemoryOfBeamsNeedsRoom) {
+  const auto groom = head::SampleGroom(37, 5);
+  const auto beams = head::MakeBeams(*groom, nullptr, Beam(11).beam, pool_);
+  head::HeadState state = head::AtRest(*groom, {});
+  head::StartBeams(beams, &state);
+  const size_t least = (state.beams.rows.size() + beams->rest.size()) * sizeof(rod::Row<float>) +
+                       beams->directions.size() * sizeof(Eigen::Vector3d);
+  const size_t counted = head::BeamBytes(*groom, 11);
+  EXPECT_GT(counted, least);
+  EXPECT_LT(counted, 1.5 * static_cast<double>(least));
+
+  HeadOptions rods, shed, eight;
+  rods.pacing = eight.pacing = Pacing::kLockstep;
+  shed.may_shed = true;
+  eight.model = Beam(8);
+  shed.model.beam = eight.model.beam;
+  const size_t small = head::StateBytes(*groom_), large = small + head::BeamBytes(*groom_, 8);
+  EXPECT_EQ(HeadBytes(*groom_, rods), small);
+  EXPECT_EQ(HeadBytes(*groom_, eight), large);
+  EXPECT_EQ(HeadBytes(*groom_, shed), large);
+
+  Registry registry({.max_state_bytes = large + small}, pool_, pool_);
+  TestStream first, second;
+  const auto one = OpenWith(registry, first, rods), two = OpenWith(registry, second, rods);
+  EXPECT_TRUE(registry.AdmitModel(one, Beam(8)));
+  EXPECT_TRUE(registry.AdmitModel(one, {}));  // It keeps the room.
+  const auto refused = registry.AdmitModel(two, Beam(2));
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kResourceExhausted);
+  EXPECT_EQ(refused.error().field, "model.model");
+  EXPECT_FALSE(registry.AdmitModel(one, Beam(9)));
+  registry.Close(two, &second);
+  EXPECT_TRUE(registry.AdmitModel(one, Beam(9)));
 }
 
 TEST_F(ModelTest, BeamsCostWhatTheirSegmentsDo) {
@@ -191,6 +232,40 @@ TEST_F(ModelTest, BeamsAreMadeOneKindAtATime) {
   EXPECT_EQ(newest->model, head::Model::kBeam);
   EXPECT_EQ(newest->stepped_elements, 12 * (8 + kKinds - 1));
   EXPECT_FALSE(sink.ended);
+  head->Detach(&sink);
+}
+
+TEST_F(ModelTest, RealTimeChangesNoSoonerThanTheChangeBeforeIsOver) {
+  LevelLibrary levels(pool_);
+  BeamLibrary library(pool_);
+  const auto head = std::make_shared<HeadSession>("heads/1", Asset{groom_}, HeadOptions{}, pool_,
+                                                  levels, library);
+  CountingSink sink;
+  head->Attach(&sink);
+  double due = base::SteadySeconds(), changed = due - 1;
+  int changes = 0;
+  head::Model before = head::Model::kSuperHelix, wanted = before;
+  const auto tick = [&] {
+    head->Tick(due += 1 / 60.0, 0);
+    pool_.WaitIdle();
+    const FramePtr frame = head->TakeFrame().frame;
+    ASSERT_NE(frame, nullptr);
+    ASSERT_TRUE(head->Acknowledge(frame->index));
+    if (std::exchange(before, frame->model) == frame->model) return;
+    EXPECT_GT(due - std::exchange(changed, due), head::kTransitionTime - 1e-6);
+    ++changes;
+  };
+  for (int i = 0; i < 121; ++i) {
+    wanted = i % 2 == 0 ? head::Model::kBeam : head::Model::kSuperHelix;
+    ASSERT_TRUE(head->Submit(ModelCommand{{wanted, {}}}));
+    if (i % 3 == 0) {
+      ASSERT_TRUE(head->Submit(ResetCommand{}));
+    }
+    tick();
+  }
+  EXPECT_GT(changes, 4);
+  for (int i = 0; i < 16; ++i) tick();
+  EXPECT_EQ(before, wanted);
   head->Detach(&sink);
 }
 
