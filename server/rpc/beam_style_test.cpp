@@ -158,6 +158,8 @@ TEST(BeamStyleAdmission, WhatAGroomMayNotHoldIsNamed) {
   EXPECT_EQ(field(&groom::Limits::max_hairs, 150), "header.beam_style.parts");
   EXPECT_EQ(field(&groom::Limits::max_hair_points, 150 * 22), "header.beam_style.parts");
   EXPECT_EQ(field(&groom::Limits::max_guides, 20), "header.beam_style.guide_count");
+  document.guide_count = 1;  // Each part has one.
+  EXPECT_EQ(field(&groom::Limits::max_guides, 2), "header.beam_style.parts");
 }
 
 // What shows only when the style is applied fails the job, which says so.

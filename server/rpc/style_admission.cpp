@@ -71,10 +71,14 @@ Result<void> AdmitBeamStyle(const BeamDocument& style, const groom::ImportOption
   if (points > limits.max_hair_points) {
     return groom::TooMany(field, "nodes", points, limits.max_hair_points);
   }
-  if (style.guide_count > limits.max_guides) {
-    return groom::TooMany(kGuideCount, "guides", style.guide_count, limits.max_guides);
+  // At least one a part.
+  const auto parts = static_cast<int>(style.style.parts.size());
+  const int most_guides = std::max(style.guide_count, parts);
+  if (most_guides > limits.max_guides) {
+    return groom::TooMany(style.guide_count < parts ? field : kGuideCount, "guides", most_guides,
+                          limits.max_guides);
   }
-  const auto count = static_cast<size_t>(std::min<long>(style.guide_count, hairs));
+  const auto count = static_cast<size_t>(std::min<long>(most_guides, hairs));
   return AdmitSeconds(static_cast<double>(count) * groom::ImportCost(2, guides), count, limits,
                       kGuideCount);
 }

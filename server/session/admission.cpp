@@ -78,6 +78,12 @@ double StepWork(const groom::Groom& groom, int steps, const head::ModelOptions& 
   return static_cast<double>(groom.stepped_elements()) * steps * each;
 }
 
+size_t HeadBytes(const groom::Groom& groom, const HeadOptions& options) {
+  const bool beams = options.model.model == head::Model::kBeam || options.may_shed;
+  return head::StateBytes(groom) +
+         (beams ? head::BeamBytes(groom, options.model.beam.segments) : 0);
+}
+
 Result<void> AdmitState(const groom::Groom& groom, const std::string& field) {
   const size_t bytes = head::StateBytes(groom);
   if (bytes <= kMaxStateBytes) return {};

@@ -37,7 +37,7 @@ inline constexpr double kPointSteps = 0.5;
 /// seconds at most. Hair that turns fast among bodies takes up to seven times that, as blocks step
 /// up to head::kFinest times finer.
 inline constexpr double kMaxFrameWork = 1e7;
-/// Bytes of what one head's hair remembers (head::StateBytes).
+/// Bytes of what one head's hair remembers (HeadBytes).
 inline constexpr size_t kMaxStateBytes = size_t{512} << 20;
 /// Bytes of one frame.
 inline constexpr size_t kMaxFrameBytes = 16 << 20;
@@ -47,6 +47,10 @@ inline constexpr size_t kMaxBacklogBytes = 32 << 20;
 /// Element-steps of `steps` time steps of all guides.
 [[nodiscard]] double StepWork(const groom::Groom& groom, int steps,
                               const head::ModelOptions& model = {});
+
+/// Bytes of what the hair of a head of `options` remembers (head::StateBytes), with its beams
+/// (head::BeamBytes) where it is or may be shed to some, as though no other head shared them.
+[[nodiscard]] size_t HeadBytes(const groom::Groom& groom, const HeadOptions& options);
 
 /// kResourceExhausted when a frame of `view` is larger than kMaxFrameBytes; the error names
 /// `field`'s points_per_guide, `field` being empty or ending in a dot.

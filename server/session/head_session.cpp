@@ -201,22 +201,22 @@ void HeadSession::PrepareDetail() {
 }
 
 BeamLibrary::BeamsPtr HeadSession::PrepareBeams() {
+  const bool lockstep = options_.pacing == Pacing::kLockstep;
   {
     std::lock_guard lock(mutex_);
     if (prepared_ != nullptr && prepared_->options == wanted_.beam) return prepared_;
+    // One at a time, however often the client changes its mind.
+    if (!lockstep && std::exchange(preparing_, true)) return nullptr;
   }
-  if (options_.pacing == Pacing::kLockstep) {
-    BeamLibrary::BeamsPtr made = beams_.FindOrMake(asset_, wanted_.beam);
-    std::lock_guard lock(mutex_);
-    return prepared_ = std::move(made);
-  }
-  if (beams_ordered_ == wanted_.beam) return nullptr;
-  beams_ordered_ = wanted_.beam;
-  Start(beams_.pool(), [this, beam = wanted_.beam] {
+  const auto prepare = [this, beam = wanted_.beam] {
     BeamLibrary::BeamsPtr made = beams_.FindOrMake(asset_, beam);
     std::lock_guard lock(mutex_);
-    prepared_ = std::move(made);
-  });
+    preparing_ = false;
+    prepared_.swap(made);  // Those before go without the lock.
+    return prepared_;
+  };
+  if (lockstep) return prepare();
+  Start(beams_.pool(), prepare);
   return nullptr;
 }
 
@@ -225,8 +225,17 @@ void HeadSession::PrepareModel(bool shed) {
   const bool beam = stand_in || wanted_.model == head::Model::kBeam;
   BeamLibrary::BeamsPtr beams = beam ? PrepareBeams() : nullptr;
   if (beam && beams == nullptr) return;
-  head::SwitchModel(*groom_, std::move(beams), options_.view.points_per_guide, &state_, pool_);
-  if (std::exchange(shed_, stand_in) == stand_in) return;
+  if (beams != state_.beams.beams) {
+    if (options_.pacing == Pacing::kRealtime) {
+      // It takes as long as dozens of frames, which nobody has reckoned with.
+      if (last_due_ - changed_due_ < head::kTransitionTime) return;
+      changed_due_ = last_due_;
+    }
+    head::SwitchModel(*groom_, std::move(beams), options_.view.points_per_guide, &state_, pool_);
+  }
+  const bool before = std::exchange(shed_, stand_in);
+  // Hair that its client wants to be beams meanwhile is as it was asked to be.
+  if (before == stand_in || (before && beam)) return;
   Notify({Notice::Code::kModel, 0, beam ? head::Model::kBeam : head::Model::kSuperHelix,
           stand_in ? "frames came late: the hair is animated as BEAM until they no longer do"
                    : "the hair is animated as before frames came late"});

@@ -103,7 +103,7 @@ class HeadSession : public std::enable_shared_from_this<HeadSession> {
   // they have been made elsewhere.
   void PrepareDetail();
   // Changes the state's model to what the client wants, or to beams while they are shed to; in real
-  // time once beams are there.
+  // time once beams are there and the change before is over.
   void PrepareModel(bool shed);
   // The beams that the client last described, where they are there. Lockstep makes them if need be.
   [[nodiscard]] BeamLibrary::BeamsPtr PrepareBeams();
@@ -135,12 +135,11 @@ class HeadSession : public std::enable_shared_from_this<HeadSession> {
   double last_pose_time_ = 0;  // Lockstep: client time of the state.
   double shown_time_ = 0;      // Client time of the last frame, once placed.
   int repaired_ = 0;
-  bool placed_ = false;          // The first pose has come.
-  bool levels_ordered_ = false;  // Real time: a task makes them, or has made them.
-  head::ModelOptions wanted_;    // Of commands that were worked off.
-  // Real time: what a task makes, or has made.
-  std::optional<head::BeamOptions> beams_ordered_;
-  bool shed_ = false;  // Beams stand in for what is wanted.
+  bool placed_ = false;                          // The first pose has come.
+  bool levels_ordered_ = false;                  // Real time: a task makes them, or has made them.
+  head::ModelOptions wanted_;                    // Of commands that were worked off.
+  bool shed_ = false;                            // Beams stand in for what is wanted.
+  double changed_due_ = -head::kTransitionTime;  // Real time: `last_due_` as the model changed.
 
   mutable std::mutex mutex_;
   bool running_ = false;          // A task works or waits for its turn.
@@ -154,6 +153,7 @@ class HeadSession : public std::enable_shared_from_this<HeadSession> {
   uint64_t next_frame_ = 1;
   head::ModelOptions asked_;        // The newest, of commands that wait, too.
   BeamLibrary::BeamsPtr prepared_;  // Those made last.
+  bool preparing_ = false;          // Real time: a task makes others.
   Shedding shedding_;
   uint64_t late_ = 0;  // Missed ticks not yet told.
   double told_late_at_ = 0;

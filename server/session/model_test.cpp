@@ -2,11 +2,19 @@
 //   open        a head opened as BEAM is animated so from its first frame, and says so
 //   change      LOCKSTEP: from the next pose on, the same bits each time; real time: once ready
 //   diagnostics frames of BEAM carry none
-//   room        a change that there is no room for is refused; a change back never is
+//   room        a change that there is no room for is refused, in time or in memory; a change back
+//               never is
 //   shared      heads of one groom and one kind share their beams, which go with the last
+//   pace        real time: it changes again only once the change before is over
+//   one         real time: beams are made one kind at a time, however often the client changes
 //   shed        a head that may be shed becomes BEAM while its frames come late, and says so
 
+#include <atomic>
+#include <future>
+
 #include "base/clock.h"
+#include "head/memory.h"
+#include "head/model_switch.h"
 #include "session/admission.h"
 #include "session/test_heads.h"
 
@@ -82,9 +90,11 @@ TEST_F(ModelTest, RealTimeChangesOnceBeamsAreReadyAndBack) {
   const auto head = Open(registry, stream, Pacing::kRealtime);
   ASSERT_TRUE(head->Submit(Pose(0)));
   ASSERT_TRUE(head->Submit(ModelCommand{Beam()}));
-  const auto shows = [](head::Model model) {
-    return [model](const TestStream& s) {
-      return !s.frames_.empty() && s.frames_.back()->model == model;
+  const auto shows = [&head](head::Model model) {
+    return [&head, model](const TestStream& s) {
+      if (s.frames_.empty()) return false;
+      (void)head->Acknowledge(s.frames_.back()->index);
+      return s.frames_.back()->model == model;
     };
   };
   EXPECT_TRUE(stream.WaitFor(shows(head::Model::kBeam)));
@@ -116,6 +126,41 @@ TEST_F(ModelTest, AChangeNeedsRoomAndAChangeBackDoesNot) {
   EXPECT_TRUE(registry.AdmitModel(two, {}));
 }
 
+TEST_F(ModelTest, MemoryOfBeamsNeedsRoom) {
+  const auto groom = head::SampleGroom(37, 5);
+  const auto beams = head::MakeBeams(*groom, nullptr, Beam(11).beam, pool_);
+  head::HeadState state = head::AtRest(*groom, {});
+  head::StartBeams(beams, &state);
+  const size_t least = (state.beams.rows.size() + beams->rest.size()) * sizeof(rod::Row<float>) +
+                       beams->directions.size() * sizeof(Eigen::Vector3d);
+  const size_t counted = head::BeamBytes(*groom, 11);
+  EXPECT_GT(counted, least);
+  EXPECT_LT(counted, 1.5 * static_cast<double>(least));
+
+  HeadOptions rods, shed, eight;
+  rods.pacing = eight.pacing = Pacing::kLockstep;
+  shed.may_shed = true;
+  eight.model = Beam(8);
+  shed.model.beam = eight.model.beam;
+  const size_t small = head::StateBytes(*groom_), large = small + head::BeamBytes(*groom_, 8);
+  EXPECT_EQ(HeadBytes(*groom_, rods), small);
+  EXPECT_EQ(HeadBytes(*groom_, eight), large);
+  EXPECT_EQ(HeadBytes(*groom_, shed), large);
+
+  Registry registry({.max_state_bytes = large + small}, pool_, pool_);
+  TestStream first, second;
+  const auto one = OpenWith(registry, first, rods), two = OpenWith(registry, second, rods);
+  EXPECT_TRUE(registry.AdmitModel(one, Beam(8)));
+  EXPECT_TRUE(registry.AdmitModel(one, {}));  // It keeps the room.
+  const auto refused = registry.AdmitModel(two, Beam(2));
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kResourceExhausted);
+  EXPECT_EQ(refused.error().field, "model.model");
+  EXPECT_FALSE(registry.AdmitModel(one, Beam(9)));
+  registry.Close(two, &second);
+  EXPECT_TRUE(registry.AdmitModel(one, Beam(9)));
+}
+
 TEST_F(ModelTest, BeamsCostWhatTheirSegmentsDo) {
   EXPECT_DOUBLE_EQ(StepWork(*groom_, 3, Beam(10)), 3 * 12 * 10 * kBeamSteps);
   HeadOptions options;
@@ -137,6 +182,91 @@ TEST_F(ModelTest, HeadsOfOneKindShareTheirBeams) {
   const std::weak_ptr<const head::Beams> gone = first;
   first.reset();
   EXPECT_TRUE(gone.expired());
+}
+
+// Counts what a head has done: its frames, and beams that were made for it.
+class CountingSink final : public FrameSink {
+ public:
+  void OnProgress() override { ++progress; }
+  void OnNotice(const Notice&) override {}
+  void OnEnd(const Error&) override { ended = true; }
+  std::atomic<int> progress = 0;
+  std::atomic<bool> ended = false;
+};
+
+TEST_F(ModelTest, BeamsAreMadeOneKindAtATime) {
+  exec::WorkerPool making(1);
+  LevelLibrary levels(making);
+  BeamLibrary library(making);
+  std::promise<void> gate;
+  making.Post([open = gate.get_future().share()] { open.wait(); });
+  const auto head = std::make_shared<HeadSession>("heads/1", Asset{groom_}, HeadOptions{}, pool_,
+                                                  levels, library);
+  CountingSink sink;
+  head->Attach(&sink);
+  double due = base::SteadySeconds();
+  const auto tick = [&] {
+    head->Tick(due += 1 / 60.0, 0);
+    pool_.WaitIdle();
+  };
+  constexpr int kKinds = 20;
+  for (int i = 0; i < kKinds; ++i) {
+    ASSERT_TRUE(head->Submit(ModelCommand{Beam(8 + i)}));
+    tick();
+  }
+  EXPECT_EQ(sink.progress, kKinds);
+  gate.set_value();
+  making.WaitIdle();
+  EXPECT_EQ(sink.progress, kKinds + 1);
+  // The kind that is wanted comes next.
+  tick();
+  making.WaitIdle();
+  tick();
+  EXPECT_EQ(sink.progress, kKinds + 4);
+  FramePtr newest;
+  for (auto out = head->TakeFrame(); out.frame; out = head->TakeFrame()) {
+    newest = out.frame;
+    ASSERT_TRUE(head->Acknowledge(newest->index));
+  }
+  ASSERT_NE(newest, nullptr);
+  EXPECT_EQ(newest->model, head::Model::kBeam);
+  EXPECT_EQ(newest->stepped_elements, 12 * (8 + kKinds - 1));
+  EXPECT_FALSE(sink.ended);
+  head->Detach(&sink);
+}
+
+TEST_F(ModelTest, RealTimeChangesNoSoonerThanTheChangeBeforeIsOver) {
+  LevelLibrary levels(pool_);
+  BeamLibrary library(pool_);
+  const auto head = std::make_shared<HeadSession>("heads/1", Asset{groom_}, HeadOptions{}, pool_,
+                                                  levels, library);
+  CountingSink sink;
+  head->Attach(&sink);
+  double due = base::SteadySeconds(), changed = due - 1;
+  int changes = 0;
+  head::Model before = head::Model::kSuperHelix, wanted = before;
+  const auto tick = [&] {
+    head->Tick(due += 1 / 60.0, 0);
+    pool_.WaitIdle();
+    const FramePtr frame = head->TakeFrame().frame;
+    ASSERT_NE(frame, nullptr);
+    ASSERT_TRUE(head->Acknowledge(frame->index));
+    if (std::exchange(before, frame->model) == frame->model) return;
+    EXPECT_GT(due - std::exchange(changed, due), head::kTransitionTime - 1e-6);
+    ++changes;
+  };
+  for (int i = 0; i < 121; ++i) {
+    wanted = i % 2 == 0 ? head::Model::kBeam : head::Model::kSuperHelix;
+    ASSERT_TRUE(head->Submit(ModelCommand{{wanted, {}}}));
+    if (i % 3 == 0) {
+      ASSERT_TRUE(head->Submit(ResetCommand{}));
+    }
+    tick();
+  }
+  EXPECT_GT(changes, 4);
+  for (int i = 0; i < 16; ++i) tick();
+  EXPECT_EQ(before, wanted);
+  head->Detach(&sink);
 }
 
 TEST_F(ModelTest, AHeadThatMayBeShedBecomesBeamsWhileFramesComeLate) {
@@ -166,10 +296,19 @@ TEST_F(ModelTest, AHeadThatMayBeShedBecomesBeamsWhileFramesComeLate) {
     tick(0);
     EXPECT_EQ(stream.frames().back()->model,
               may_shed ? head::Model::kBeam : head::Model::kSuperHelix);
-    const auto told = std::ranges::count_if(stream.notices_, [](const Notice& notice) {
-      return notice.code == Notice::Code::kModel && notice.model == head::Model::kBeam;
-    });
-    EXPECT_EQ(told, may_shed ? 1 : 0);
+    const auto told = [&](head::Model model) {
+      return std::ranges::count_if(stream.notices_, [model](const Notice& notice) {
+        return notice.code == Notice::Code::kModel && notice.model == model;
+      });
+    };
+    EXPECT_EQ(told(head::Model::kBeam), may_shed ? 1 : 0);
+    // That the client gets what it asks for is nothing to be told.
+    ASSERT_TRUE(head->Submit(ModelCommand{{head::Model::kBeam, {}}}));
+    tick(0);
+    tick(0);
+    EXPECT_EQ(stream.frames().back()->model, head::Model::kBeam);
+    EXPECT_EQ(told(head::Model::kBeam), may_shed ? 1 : 0);
+    EXPECT_EQ(told(head::Model::kSuperHelix), 0);
     head->Detach(&stream);
   }
 }

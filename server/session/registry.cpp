@@ -9,7 +9,6 @@
 
 #include "base/check.h"
 #include "base/clock.h"
-#include "head/memory.h"
 #include "session/admission.h"
 
 namespace mane::session {
@@ -62,17 +61,8 @@ Result<Registry::Entries::iterator> Registry::AdmitLocked(const groom::Groom& gr
                    ""};
     }
   }
-  size_t bytes = state_bytes;
-  for (auto item = entries_.begin(); item != entries_.end(); ++item) {
-    if (item != leaving) bytes += item->second.state_bytes;
-  }
-  if (bytes > options_.max_state_bytes) {
-    return Error{ErrorCode::kResourceExhausted,
-                 fmt::format("with this head the hair of all heads would take {} bytes; the server "
-                             "has {}: try again when other heads are closed, use a groom of fewer "
-                             "moving bodies, guides or elements, or another server",
-                             bytes, options_.max_state_bytes),
-                 "open.groom"};
+  if (const auto ok = AdmitBytesLocked(state_bytes, leaving, "open.groom"); !ok) {
+    return ok.error();
   }
   if (const auto ok = AdmitLoadLocked(RealtimeLoad(groom, options), leaving, "open"); !ok) {
     return ok.error();
@@ -96,24 +86,47 @@ Result<void> Registry::AdmitLoadLocked(double own, Entries::const_iterator left_
                field};
 }
 
+Result<void> Registry::AdmitBytesLocked(size_t own, Entries::const_iterator left_out,
+                                        const std::string& field) const {
+  size_t bytes = own;
+  for (auto item = entries_.begin(); item != entries_.end(); ++item) {
+    if (item != left_out) bytes += item->second.state_bytes;
+  }
+  if (bytes <= options_.max_state_bytes) return {};
+  return Error{ErrorCode::kResourceExhausted,
+               fmt::format("with this head the hair of all heads would take {} bytes; the server "
+                           "has {}: try again when other heads are closed, use a groom of fewer "
+                           "moving bodies, guides or elements, fewer segments, or another server",
+                           bytes, options_.max_state_bytes),
+               field};
+}
+
 Result<void> Registry::AdmitModel(const std::shared_ptr<HeadSession>& head,
                                   const head::ModelOptions& model) {
   HeadOptions options = head->options();
   options.model = model;
   if (auto ok = AdmitHead(head->groom(), options); !ok) return ok;
-  const double own = RealtimeLoad(head->groom(), options);
+  const double load = RealtimeLoad(head->groom(), options);
+  const size_t bytes = HeadBytes(head->groom(), options);
   std::lock_guard lock(mutex_);
   const auto item = Find(head.get());
-  if (item == entries_.end() || own <= item->second.load) return {};
-  if (auto ok = AdmitLoadLocked(own, item, "model.model"); !ok) return ok;
-  item->second.load = own;
+  if (item == entries_.end()) return {};
+  Entry& entry = item->second;
+  if (load > entry.load) {
+    if (auto ok = AdmitLoadLocked(load, item, "model.model"); !ok) return ok;
+  }
+  if (bytes > entry.state_bytes) {
+    if (auto ok = AdmitBytesLocked(bytes, item, "model.model"); !ok) return ok;
+  }
+  entry.load = std::max(entry.load, load);
+  entry.state_bytes = std::max(entry.state_bytes, bytes);
   return {};
 }
 
 Result<size_t> Registry::Weigh(const groom::Groom& groom, const HeadOptions& options,
                                const std::string& request_id) {
   if (const auto ok = AdmitHead(groom, options); !ok) return ok.error();
-  const size_t state_bytes = head::StateBytes(groom);
+  const size_t state_bytes = HeadBytes(groom, options);
   std::lock_guard lock(mutex_);
   if (const auto ok = AdmitLocked(groom, state_bytes, options, request_id); !ok) return ok.error();
   return state_bytes;

@@ -24,7 +24,7 @@ struct RegistryOptions {
   /// vector kernels: the costs are estimates, and heads that fall due at once should not make each
   /// other late.
   double realtime_capacity = 1e7;
-  /// What all heads, waiting ones included, may remember of their hair together (head::StateBytes).
+  /// What all heads, waiting ones included, may remember of their hair together (HeadBytes).
   size_t max_state_bytes = size_t{4} << 30;
 };
 
@@ -101,6 +101,9 @@ class Registry {
   // others but `left_out`.
   Result<void> AdmitLoadLocked(double own, Entries::const_iterator left_out,
                                const std::string& field) const;
+  // The same for bytes.
+  Result<void> AdmitBytesLocked(size_t own, Entries::const_iterator left_out,
+                                const std::string& field) const;
   Entries::iterator Find(const HeadSession* head);
   // The detached entry that expires first, or end().
   Entries::iterator LongestDetached();

@@ -17,6 +17,9 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
+// Of a hull, as of a scalp that is an ellipsoid [m]: hairs lie within what a groom's can be from
+// their guides (groom::kOffsetUnitRange).
+constexpr double kLargestRadius = 10;
 constexpr double kLeastDepth = 1e-3;  // Of skin below its pore [m].
 constexpr Hsv kDarkBrown{0.07F, 0.5F, 0.3F};
 // Pieces of work between two looks whether it is still wanted.
@@ -103,20 +106,44 @@ std::vector<uint32_t> CellsOf(const beam::StyledHairs& hairs, int begin, int end
   return FarthestPointCells(pores, count, cancelled);
 }
 
+// Where the hairs of each part end that has any, (parts with hair).
+std::vector<int> EndsOfParts(const beam::StyledHairs& hairs) {
+  std::vector<int> ends;
+  for (int begin = 0; begin < hairs.count(); begin = ends.back()) {
+    ends.push_back(static_cast<int>(
+        std::upper_bound(hairs.part.begin() + begin, hairs.part.end(), hairs.part[begin]) -
+        hairs.part.begin()));
+  }
+  return ends;
+}
+
+// Of `guide_count`, how many each part gets: at least one.
+std::vector<int> SharesOf(const std::vector<int>& ends, int guide_count) {
+  const double share = std::min(1.0, static_cast<double>(guide_count) / ends.back());
+  std::vector<int> shares;
+  int begin = 0, sum = 0;
+  for (const int end : ends) {
+    // Rounded so that the parts' numbers add up.
+    const auto own = static_cast<int>(std::lround(share * end) - std::lround(share * begin));
+    sum += shares.emplace_back(std::max(own, 1));
+    begin = end;
+  }
+  // Those that got one more than their part have it from the largest.
+  const int most = std::max(guide_count, static_cast<int>(ends.size()));
+  for (; sum > most; --sum) --*std::ranges::max_element(shares);
+  return shares;
+}
+
 // The guide that each hair rides on, all parts' numbers going on from each other.
 std::vector<uint32_t> GuidesOf(const beam::StyledHairs& hairs, int guide_count,
                                const base::Cancelled& cancelled) {
   std::vector<uint32_t> guides;
   guides.reserve(hairs.count());
-  const double share = std::min(1.0, static_cast<double>(guide_count) / hairs.count());
+  const std::vector<int> ends = EndsOfParts(hairs), shares = SharesOf(ends, guide_count);
   uint32_t first = 0;
-  for (int begin = 0, end; begin < hairs.count(); begin = end) {
-    end = static_cast<int>(
-        std::upper_bound(hairs.part.begin() + begin, hairs.part.end(), hairs.part[begin]) -
-        hairs.part.begin());
-    // Rounded so that the parts' numbers add up.
-    const auto own = static_cast<int>(std::lround(share * end) - std::lround(share * begin));
-    const auto cells = CellsOf(hairs, begin, end, std::max(own, 1), cancelled);
+  for (size_t part = 0; part < ends.size(); ++part) {
+    const int begin = part == 0 ? 0 : ends[part - 1];
+    const auto cells = CellsOf(hairs, begin, ends[part], shares[part], cancelled);
     for (const uint32_t cell : cells) guides.push_back(first + cell);
     first += *std::ranges::max_element(cells) + 1;
   }
@@ -144,7 +171,12 @@ Result<beam::Hull> HullOf(const groom::Scalp& scalp) {
   }
   auto hull = beam::FitHull(HeadOf(std::get<groom::TriangleMesh>(scalp)));
   if (!hull) return Error{hull.error().code, hull.error().message, "scalp_mesh"};
-  return hull;
+  const Vector3d& radii = hull->radii;
+  if (radii.maxCoeff() <= kLargestRadius) return hull;
+  return InvalidArgument("scalp_mesh",
+                         fmt::format("scalp_mesh has a hull of radii ({:.6g}, {:.6g}, {:.6g}) m; "
+                                     "each must be at most {} m",
+                                     radii.x(), radii.y(), radii.z(), kLargestRadius));
 }
 
 Result<BeamHairstyle> MakeBeamHairstyle(const beam::BeamStyle& style, int guide_count,

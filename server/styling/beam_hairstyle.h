@@ -29,14 +29,15 @@ struct BeamHairstyle {
 /// within their extent to the sides, front and back: neither of the jaw, which an ellipsoid around
 /// the skull fits badly, nor of neck and shoulders. Hair that grows everywhere: of all of the mesh.
 ///
-/// @param scalp  valid and not empty. @return INVALID_ARGUMENT naming `scalp_mesh`.
+/// @param scalp  valid and not empty. @return INVALID_ARGUMENT naming `scalp_mesh`, also where a
+///   radius would be above 10 m.
 [[nodiscard]] Result<beam::Hull> HullOf(const groom::Scalp& scalp);
 
 /// Applies a style by beams to a head.
 ///
 /// Guides: pores of each part are divided among as many cells (FarthestPointCells) as its share of
-/// `guide_count` by hairs, at least one. Of each cell the hair of most nodes, of those the longest,
-/// is the guide; its hairs ride on it.
+/// `guide_count` by hairs, at least one; together they are no more than that, or than parts. Of
+/// each cell the hair of most nodes, of those the longest, is the guide; its hairs ride on it.
 ///
 /// On a mesh a hair begins with one more point: the skin, on the line from its pore to the hull's
 /// center, at least 1 mm below the pore; as much where there is no skin. The hull is larger than

@@ -104,6 +104,18 @@ TEST(BeamHull, OfAFlatMeshIsRefusedByName) {
   EXPECT_EQ(hull.error().field, "scalp_mesh");
 }
 
+TEST(BeamHull, OfAMeshThatIsTooLargeIsRefusedByName) {
+  for (const double radius : {9.9, 10.1}) {
+    groom::TriangleMesh mesh = Dome(Vector3d::Zero(), 1.5, 20);
+    for (Vector3f& vertex : mesh.vertices) vertex *= static_cast<float>(radius / kDomeRadius);
+    const auto hull = HullOf(mesh);
+    ASSERT_EQ(static_cast<bool>(hull), radius < 10) << radius;
+    if (!hull) {
+      EXPECT_EQ(hull.error().field, "scalp_mesh");
+    }
+  }
+}
+
 TEST(BeamHairstyle, EveryHairRidesOnALongOneOfItsPart) {
   const BeamHairstyle made = Make(Ball());
   ASSERT_EQ(made.guides.size(), size_t{kGuides});
@@ -141,6 +153,23 @@ TEST(BeamHairstyle, GuidesAreNoMoreThanHairsAndAtLeastOneAPart) {
   style.parts[0].count = 10;
   style.parts[1].count = 5;
   EXPECT_EQ(count(1000), 15U);
+}
+
+TEST(BeamHairstyle, SmallPartsHaveTheirGuidesFromTheLargest) {
+  exec::WorkerPool pool(1);
+  beam::BeamStyle style = TwoParts();
+  style.parts[0].cuts.clear();
+  style.parts[1].count = 1;
+  for (int i = 2; i < 6; ++i) style.parts.push_back(style.parts[1]);
+  for (const int guides : {6, 20, 600}) {
+    const auto made = MakeBeamHairstyle(style, guides, Ball(), "style", pool);
+    ASSERT_TRUE(made);
+    EXPECT_EQ(made->guides.size(), static_cast<size_t>(guides));
+    for (int last = 0; last < 5; ++last) {
+      const auto end = made->first_member.end() - 1 - last;
+      EXPECT_EQ(end[0] - end[-1], 1U);
+    }
+  }
 }
 
 TEST(BeamHairstyle, BeginsOnTheSkinOfAMesh) {
