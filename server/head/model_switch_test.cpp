@@ -214,7 +214,7 @@ TEST(ModelSwitchTest, BeamsTurnWithTheHead) {
   HeadState state = AtRest(*groom, Shaken(1));
   state.beams.spin = {1, 2, -0.5};
   SwitchModel(*groom, beams, kPoints, &state, pool);
-  const int k = beams->options.segments;
+  const int k = beams->segments;
   std::vector<Vector3d> directions(k), rates(k);
   for (int guide = 0; guide < groom->guide_count(); ++guide) {
     beams->batch.GetHair(guide, state.beams.duration, state.beams.rows, directions, rates);

@@ -1,0 +1,44 @@
+#include "groom/scalp_hull.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <iterator>
+#include <limits>
+#include <vector>
+
+namespace mane::groom {
+namespace {
+
+using Eigen::Vector3f;
+
+// What of a mesh the hull encloses.
+std::vector<Vector3f> HeadOf(const TriangleMesh& mesh) {
+  if (mesh.hair_triangles.empty()) return mesh.vertices;
+  Eigen::AlignedBox3f hair;
+  std::vector<Vector3f> points;
+  for (const uint32_t triangle : mesh.hair_triangles) {
+    for (const uint32_t corner : mesh.triangles[triangle]) {
+      hair.extend(mesh.vertices[corner]);
+      points.push_back(mesh.vertices[corner]);
+    }
+  }
+  hair.min().y() = hair.center().y();
+  hair.max().y() = std::numeric_limits<float>::infinity();
+  std::ranges::copy_if(mesh.vertices, std::back_inserter(points),
+                       [&hair](const Vector3f& vertex) { return hair.contains(vertex); });
+  return points;
+}
+
+}  // namespace
+
+Result<beam::Hull> ScalpHull(const Scalp& scalp) {
+  if (const auto* ellipsoid = std::get_if<Ellipsoid>(&scalp)) {
+    return beam::Hull{ellipsoid->center, ellipsoid->radii};
+  }
+  auto hull = beam::FitHull(HeadOf(std::get<TriangleMesh>(scalp)));
+  if (!hull) return Error{hull.error().code, hull.error().message, "scalp_mesh"};
+  return hull;
+}
+
+}  // namespace mane::groom
