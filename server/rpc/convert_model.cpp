@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <numbers>
 
 #include "mane/v1/bake.pb.h"
@@ -10,7 +11,7 @@
 namespace mane::rpc {
 namespace {
 
-constexpr uint32_t kFewestSegments = 2, kMostSegments = 64;
+constexpr int kFewestSegments = 2, kMostSegments = 64;
 constexpr double kMostHold = 1000;
 constexpr double kMostNear = 10;           // [m]
 constexpr double kMostFluctuation = 1;     // [rad]
@@ -56,11 +57,13 @@ Result<head::Model> ToModel(v1::AnimationModel model, head::FrameFormat format,
 
 Result<head::BeamOptions> ToBeamOptions(const v1::BeamMotion& message, const std::string& field) {
   head::BeamOptions beam;
-  if (message.segments() != 0) {
-    const auto ok =
-        CheckRange(field + ".segments", message.segments(), kFewestSegments, kMostSegments);
+  // Unset, there are as many as numbers by segment, if any, else as the groom takes.
+  const int by_segment = std::max(message.epsilon_size(), message.largest_turn_rad_size());
+  beam.segments =
+      message.segments() != 0 ? int(std::min(message.segments(), 1000000U)) : by_segment;
+  if (beam.segments != 0) {
+    const auto ok = CheckRange(field + ".segments", beam.segments, kFewestSegments, kMostSegments);
     if (!ok) return ok.error();
-    beam.segments = static_cast<int>(message.segments());
   }
   switch (message.equations()) {
     case v1::BEAM_EQUATIONS_UNSPECIFIED:
