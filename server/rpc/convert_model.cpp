@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <numbers>
 
 #include "mane/v1/bake.pb.h"
@@ -58,13 +57,21 @@ Result<head::Model> ToModel(v1::AnimationModel model, head::FrameFormat format,
 Result<head::BeamOptions> ToBeamOptions(const v1::BeamMotion& message, const std::string& field) {
   head::BeamOptions beam;
   // Unset, there are as many as numbers by segment, if any, else as the groom takes.
-  const int by_segment = std::max(message.epsilon_size(), message.largest_turn_rad_size());
-  beam.segments =
-      message.segments() != 0 ? int(std::min(message.segments(), 1000000U)) : by_segment;
-  if (beam.segments != 0) {
-    const auto ok = CheckRange(field + ".segments", beam.segments, kFewestSegments, kMostSegments);
+  int64_t segments = message.segments();
+  if (segments != 0) {
+    const auto ok = CheckRange(field + ".segments", segments, kFewestSegments, kMostSegments);
     if (!ok) return ok.error();
+  } else if (message.epsilon_size() + message.largest_turn_rad_size() > 0) {
+    const bool first = message.epsilon_size() > 0;
+    segments = first ? message.epsilon_size() : message.largest_turn_rad_size();
+    if (segments < kFewestSegments || segments > kMostSegments) {
+      const std::string array = field + (first ? ".epsilon" : ".largest_turn_rad");
+      return InvalidArgument(array, fmt::format("{} has {} numbers; it must have one for each of "
+                                                "{} to {} segments, or none",
+                                                array, segments, kFewestSegments, kMostSegments));
+    }
   }
+  beam.segments = static_cast<int>(segments);
   switch (message.equations()) {
     case v1::BEAM_EQUATIONS_UNSPECIFIED:
     case v1::BEAM_EQUATIONS_ACROSS:
