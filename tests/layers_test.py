@@ -37,7 +37,7 @@ FOLDERS = {
     "beam": Folder(("math", "simd"), ("Eigen", "fmt"), pure=True),
     "contact": Folder(("rod", "exec"), ("Eigen", "fmt"), ("xxhash", "embree")),
     "wire": Folder(("math",), ("Eigen",), pure=True),
-    "groom": Folder(("rod", "exec", "wire"), ("Eigen", "fmt"), ("xxhash",)),
+    "groom": Folder(("rod", "beam", "exec", "wire"), ("Eigen", "fmt"), ("xxhash",)),
     "styling": Folder(("groom", "contact", "beam"), ("Eigen", "fmt"), ("png",)),
     "head": Folder(("groom", "contact", "beam", "exec", "wire"), ("Eigen", "fmt")),
     "session": Folder(("head",), ("Eigen", "fmt"), ("spdlog", "posix")),

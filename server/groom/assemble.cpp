@@ -20,6 +20,7 @@ using Eigen::Vector3d;
 
 constexpr size_t kMaxNameBytes = 200;
 constexpr int kGuidesPerPiece = 2;  // One guide takes long enough to outweigh handing it over.
+constexpr double kTurningPart = 0.95;
 const Vector3d kGravity(0, -9.81, 0);
 
 bool AllFinite(std::span<const double> numbers) {
@@ -56,6 +57,18 @@ Result<void> Validate(const Parts& parts, const Limits& limits) {
   }
   if (auto scalp = ValidateScalp(parts.scalp, limits); !scalp) return scalp;
   return ValidateBodies(parts.bodies, parts.scalp_friction, parts.scalp, limits);
+}
+
+// Which all but one in twenty guides are below.
+double TurningOf(const Groom& groom) {
+  std::vector<double> turning;
+  turning.reserve(groom.guides.size());
+  for (int i = 0; i < groom.guide_count(); ++i) {
+    turning.push_back(Turning(groom.guides[i], groom.rest_of(i)));
+  }
+  const auto rank = static_cast<std::ptrdiff_t>(kTurningPart * (turning.size() - 1));
+  std::ranges::nth_element(turning, turning.begin() + rank);
+  return turning[rank];
 }
 
 }  // namespace
@@ -102,6 +115,7 @@ Result<std::shared_ptr<const Groom>> Assemble(Parts parts, const Limits& limits,
       solve(0, groom->guide_count());
     }
   }
+  groom->turning = TurningOf(*groom);
   std::vector<rod::RootedStrand> strands;
   strands.reserve(groom->guides.size());
   for (const Guide& guide : groom->guides) {

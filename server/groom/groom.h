@@ -86,6 +86,8 @@ struct Groom {
   /// Static equilibrium under standard gravity with the head upright [rad]: element angles
   /// theta_Q = l_Q kappa_Q, or unknowns of wound guides, (coordinates of all guides).
   std::vector<double> rest;
+  /// Turning of guides at rest [rad], which all but one in twenty are below.
+  double turning = 0;
   /// The guides packed for the batched step; strand i is guide i.
   rod::Batch<float> batch;
 

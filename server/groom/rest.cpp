@@ -1,6 +1,7 @@
 #include "groom/rest.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/check.h"
 #include "rod/wound_statics.h"
@@ -55,6 +56,16 @@ rod::StaticsReport SolveRest(const Guide& guide, const Vector3d& gravity,
   MANE_CHECK(static_cast<int>(coordinates.size()) == guide.coordinate_count());
   if (guide.wound) return Solve<rod::Vector4d>(*guide.wound, guide.root, gravity, coordinates);
   return Solve<Vector3d>(guide.strand, guide.root, gravity, coordinates);
+}
+
+double Turning(const Guide& guide, std::span<const double> coordinates) {
+  MANE_CHECK(static_cast<int>(coordinates.size()) == guide.coordinate_count());
+  double turning = 0;
+  for (int Q = 0; Q < guide.strand.elements(); ++Q) {
+    turning += guide.wound ? guide.strand.length[Q] * guide.strand.natural[Q].tail<2>().norm()
+                           : std::hypot(coordinates[3 * Q + 1], coordinates[3 * Q + 2]);
+  }
+  return turning;
 }
 
 }  // namespace mane::groom

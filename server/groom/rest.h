@@ -21,4 +21,11 @@ namespace mane::groom {
 rod::StaticsReport SolveRest(const Guide& guide, const Eigen::Vector3d& gravity,
                              std::span<double> coordinates);
 
+/// By how much the direction of a guide turns from root to tip in a shape [rad], the integral of
+/// its curvature without twist. Of a wound guide, whose coils hardly unwind, that of its natural
+/// shape.
+///
+/// @param coordinates  as NaturalShape.
+[[nodiscard]] double Turning(const Guide& guide, std::span<const double> coordinates);
+
 }  // namespace mane::groom

@@ -50,7 +50,7 @@ int RepairBlock(const Beams& beams, int block, const math::Pose& head, double du
                 std::span<Row> state) {
   thread_local std::vector<Row> nodes;
   thread_local std::vector<Vector3d> directions;
-  const int k = beams.options.segments;
+  const int k = beams.segments;
   nodes.resize(static_cast<size_t>(3) * (k + 1));
   beams.batch.Nodes(BeamKernels(), block, head, state, nodes);
   int repaired = 0;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "beam/response.h"
+#include "head/beam_hull.h"
 #include "head/head.h"
 #include "head/points.h"
 #include "head/polyline.h"
@@ -23,43 +24,30 @@ constexpr double kChain = 1.45 / 2.1;
 constexpr int kAxisChords = 4;
 // Over the guide's length: rings have none.
 constexpr double kShortestAxis = 0.1;
-// A hull that all points must be outside of is made smaller by so much more, relative.
-constexpr double kHullMargin = 1e-4;
+constexpr int kFewestByDefault = 16, kMostByDefault = 64;
+// Of what beams follow: so many that the coils of the curliest hair are round.
+constexpr int kPointsPerSegment = 8, kFewestEdges = 256;
 
-// Gives every guide its directions and the length of its segments.
+// Gives every guide its places, directions and the length of its segments.
 void FollowRest(const groom::Groom& groom, std::span<const rod::Row<float>> guides,
                 exec::WorkerPool& pool, Beams* beams) {
-  const int k = beams->options.segments;
+  const auto k = static_cast<size_t>(beams->segments);
   beams->segment_length.resize(groom.guide_count());
-  beams->directions.resize(static_cast<size_t>(groom.guide_count()) * k);
+  beams->places.resize(groom.guide_count() * k);
+  beams->directions.resize(groom.guide_count() * k);
   const auto blocks = groom.batch.blocks();
   pool.ParallelFor(static_cast<int>(blocks.size()), kBlocksPerPiece, [&](int first, int last) {
     thread_local PointScratch scratch;
     for (int i = first; i < last; ++i) {
-      ForRodPoints(
-          groom, blocks[i], guides, {}, CurvePoints(beams->options), scratch,
-          [&](int guide, std::span<const Vector3f> curve) {
-            const double d = StrideLength(curve, groom.guides[guide].strand.TotalLength(), k);
-            beams->segment_length[guide] = d;
-            Stride(curve, d,
-                   std::span(beams->directions).subspan(static_cast<size_t>(guide) * k, k));
-          });
+      ForRodPoints(groom, blocks[i], guides, {}, CurvePoints(beams->segments), scratch,
+                   [&](int guide, std::span<const Vector3f> curve) {
+                     const double L = groom.guides[guide].strand.TotalLength();
+                     const auto places = std::span(beams->places).subspan(guide * k, k);
+                     beams->segment_length[guide] = Stride(curve, L, places);
+                     Between(curve, places, std::span(beams->directions).subspan(guide * k, k));
+                   });
     }
   });
-}
-
-std::vector<Vector3f> RestNodes(const groom::Groom& groom, const Beams& beams) {
-  std::vector<Vector3f> nodes;
-  nodes.reserve(static_cast<size_t>(groom.guide_count()) * (beams.options.segments + 1));
-  for (int guide = 0; guide < groom.guide_count(); ++guide) {
-    Vector3d node = groom.guides[guide].root.p;
-    nodes.push_back(node.cast<float>());
-    for (const Vector3d& e : beams.rest_of(guide)) {
-      node += beams.segment_length[guide] * e;
-      nodes.push_back(node.cast<float>());
-    }
-  }
-  return nodes;
 }
 
 beam::MotionSettings SettingsOf(const BeamOptions& options, std::optional<beam::Hull> hull) {
@@ -113,7 +101,7 @@ struct Answer {
 // stand against gravity are held by K alone.
 Answer AnswerOf(const BeamOptions& options, double rigidity, double density, double friction,
                 const Axis& axis) {
-  const int k = options.segments;
+  const int k = static_cast<int>(axis.directions.size());
   Answer answer{beam::ResponseOf(axis.length, k), beam::HoldOf(rigidity, density, axis.length, k),
                 0};
   double bending = 0, weight = 0;
@@ -157,47 +145,61 @@ beam::MotionBatch<float> MakeBatch(const groom::Groom& groom, const Beams& beams
   }
   // Nothing balances the weight of what nothing holds.
   const Vector3d gravity = options.hold > 0 ? kRestGravity : Vector3d::Zero();
-  return {options.segments, hairs, gravity, SettingsOf(options, std::move(hull))};
+  return {beams.segments, hairs, gravity, SettingsOf(options, std::move(hull))};
+}
+
+// Makes the batch and its state at rest.
+void SetBatch(const groom::Groom& groom, std::optional<beam::Hull> hull, Beams* beams) {
+  beams->batch = MakeBatch(groom, *beams, std::move(hull));
+  beams->rest.resize(beams->batch.state_rows());
+  for (int i = 0; i < groom.guide_count(); ++i) {
+    beams->batch.SetHair(i, beams->rest_of(i), {}, kLongestStep, beams->rest);
+  }
+}
+
+// Turns the rest directions of guides out of the hull, those that have nodes there. Returns whether
+// there are any.
+bool TurnOut(const groom::Groom& groom, const beam::Hull& hull, Beams* beams,
+             exec::WorkerPool& pool) {
+  const std::vector<int> inside = GuidesInside(groom, *beams, hull);
+  if (inside.empty()) return false;
+  std::vector<Vector3d> turned = beams->directions;
+  KeepOut(*beams, {}, &turned, pool);
+  const int k = beams->segments;
+  for (const int guide : inside) {
+    std::copy_n(turned.begin() + std::ptrdiff_t{guide} * k, k,
+                beams->directions.begin() + std::ptrdiff_t{guide} * k);
+  }
+  return true;
 }
 
 }  // namespace
 
-int CurvePoints(const BeamOptions& options) { return 8 * options.segments + 1; }
-
-std::optional<beam::Hull> HullOf(const groom::Groom& groom, std::span<const Vector3f> outside) {
-  beam::Hull hull;
-  if (const auto* ellipsoid = std::get_if<groom::Ellipsoid>(&groom.scalp)) {
-    hull = {ellipsoid->center, ellipsoid->radii};
-  } else if (const auto* mesh = std::get_if<groom::TriangleMesh>(&groom.scalp)) {
-    const auto fitted = beam::FitHull(mesh->vertices);
-    if (!fitted) return std::nullopt;  // A scalp like a plate: nothing to stay out of.
-    hull = *fitted;
-  } else {
-    return std::nullopt;
-  }
-  double least = 1;
-  for (const Vector3f& point : outside) {
-    least = std::min(least, hull.At(point.cast<double>()) + 1);
-  }
-  if (!(least > 0)) return std::nullopt;
-  if (least < 1) hull.radii *= std::sqrt(least) * (1 - kHullMargin);
-  return hull;
+int SegmentsOf(const groom::Groom& groom, const BeamOptions& options) {
+  if (options.segments > 0) return options.segments;
+  return static_cast<int>(
+      std::ceil(std::clamp<double>(groom.turning, kFewestByDefault, kMostByDefault)));
 }
+
+int CurvePoints(int segments) { return std::max(kPointsPerSegment * segments, kFewestEdges) + 1; }
 
 std::shared_ptr<const Beams> MakeBeams(const groom::Groom& groom, const Bodies* bodies,
                                        const BeamOptions& options, exec::WorkerPool& pool) {
   auto beams = std::make_shared<Beams>();
   beams->options = options;
+  beams->segments = SegmentsOf(groom, options);
   HeadState still = AtRest(groom, {});
   if (bodies != nullptr && !bodies->settled.empty()) still.guides = bodies->settled;
   beams->coordinates = Coordinates(groom, still);
   FollowRest(groom, still.guides, pool, beams.get());
-  beams->batch = MakeBatch(groom, *beams, HullOf(groom, RestNodes(groom, *beams)));
+  const auto hull = HullOf(groom, *beams);
+  SetBatch(groom, hull, beams.get());
+  if (hull && options.avoid_head && TurnOut(groom, *hull, beams.get(), pool)) {
+    SetBatch(groom, hull, beams.get());
+  }
 
-  beams->rest.resize(beams->batch.state_rows());
   beams->roots.resize(beams->batch.blocks());
   for (int i = 0; i < groom.guide_count(); ++i) {
-    beams->batch.SetHair(i, beams->rest_of(i), {}, kLongestStep, beams->rest);
     const Vector3f root = groom.guides[i].root.p.cast<float>();
     const int first = i % simd::kLanes;
     const int last = i + 1 == groom.guide_count() ? simd::kLanes : first + 1;

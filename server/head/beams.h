@@ -22,11 +22,16 @@ namespace mane::head {
 ///
 /// A guide's polyline has its nodes on the guide's rest shape, or that to which it settled among
 /// bodies, all segments being equally long: curls within a segment are lost, so that the polyline
-/// is shorter than the hair, and never longer. It weighs what the hair does.
+/// is shorter than the hair, and never longer. It weighs what the hair does. The few guides that
+/// the hull does not leave outside (HullOf) rest where it turns them out (B6).
 struct Beams {
-  BeamOptions options;
-  beam::MotionBatch<float> batch;           ///< Hair i is guide i.
-  std::vector<double> segment_length;       ///< d [m], (guides).
+  BeamOptions options;                 ///< As they were asked for.
+  int segments = 0;                    ///< k of every guide (SegmentsOf).
+  beam::MotionBatch<float> batch;      ///< Hair i is guide i.
+  std::vector<double> segment_length;  ///< d [m], (guides).
+  /// Where nodes but roots are on guides, of CurvePoints points (head/polyline.h),
+  /// (guides x segments).
+  std::vector<double> places;
   std::vector<Eigen::Vector3d> directions;  ///< At rest, unit, head frame, (guides x segments).
   /// Coordinates of that shape, as groom::Groom::rest.
   std::vector<double> coordinates;
@@ -36,8 +41,7 @@ struct Beams {
   std::vector<rod::Row<float>> rest;
 
   [[nodiscard]] std::span<const Eigen::Vector3d> rest_of(int guide) const {
-    return std::span(directions)
-        .subspan(static_cast<size_t>(guide) * options.segments, options.segments);
+    return std::span(directions).subspan(static_cast<size_t>(guide) * segments, segments);
   }
 };
 
@@ -47,12 +51,12 @@ struct Beams {
                                                      const BeamOptions& options,
                                                      exec::WorkerPool& pool);
 
-/// Points of a strand through which StrideLength and Stride follow it.
-[[nodiscard]] int CurvePoints(const BeamOptions& options);
+/// Segments of each guide: those of the options, or where they leave it open, one for each radian
+/// that guides turn by at rest (Groom::turning), but 16 to 64. So segments are shorter than curls
+/// are wide.
+[[nodiscard]] int SegmentsOf(const groom::Groom& groom, const BeamOptions& options);
 
-/// The ellipsoid that beams of `groom` stay out of (B6): its scalp, or the one that is fitted to
-/// the scalp's mesh, small enough that all given points are outside; empty where there is no scalp.
-[[nodiscard]] std::optional<beam::Hull> HullOf(const groom::Groom& groom,
-                                               std::span<const Eigen::Vector3f> outside);
+/// Points of a strand through which beams of so many segments follow it.
+[[nodiscard]] int CurvePoints(int segments);
 
 }  // namespace mane::head

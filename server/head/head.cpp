@@ -359,7 +359,7 @@ HeadState FullDetail(const groom::Groom& groom, HeadState state) {
 }
 
 int SteppedElements(const groom::Groom& groom, const HeadState& state) {
-  if (state.beams.active) return groom.guide_count() * state.beams.beams->options.segments;
+  if (state.beams.active) return groom.guide_count() * state.beams.beams->segments;
   int elements = 0;
   for (int i = 0; i < std::ssize(groom.batch.blocks()); ++i) {
     const auto& block = groom.batch.blocks()[i];

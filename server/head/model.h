@@ -14,7 +14,9 @@ enum class Model { kSuperHelix, kBeam };
 /// What beams of a head are like: mane.v1.BeamMotion. Arrays over segments are (segments), or empty
 /// for all default; see beam::MotionSettings.
 struct BeamOptions {
-  int segments = 16;  ///< k of every guide, 2 to 64.
+  /// k of every guide, 2 to 64, which arrays over segments need; 0 for what the groom takes
+  /// (SegmentsOf).
+  int segments = 0;
   /// Factor on the stiffness that holds segments in their directions at rest (B11); 0 as published:
   /// then nothing does, not the weight of what hangs either.
   double hold = 1;

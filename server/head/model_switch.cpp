@@ -1,11 +1,11 @@
 #include "head/model_switch.h"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 #include <vector>
 
 #include "head/beam_follow.h"
+#include "head/beam_hull.h"
 #include "head/polyline.h"
 #include "head/shown.h"
 
@@ -19,10 +19,8 @@ using Row = rod::Row<float>;
 constexpr int kBlocksPerPiece = 4;
 // Between shapes of beams that rods' rates are taken from [s], and
 constexpr double kInstant = 1e-3;
-// between shapes of rods that beams' are: where hair is curled, nodes change turns meanwhile.
+// between shapes of rods that beams' are.
 constexpr double kMoment = 1.0 / 60;
-
-constexpr double kInstantStep = 1e-6;  // [s]
 
 // What the head shows, from its place in its own axes, (guides x points).
 std::vector<Vector3f> ShownInHead(const groom::Groom& groom, const HeadState& state, int points,
@@ -61,49 +59,25 @@ std::vector<Row> Before(const groom::Groom& groom, std::span<const Row> guides) 
   return before;
 }
 
-// Directions of all beams that follow rods, head's axes.
+// Directions of all beams between those points of rods at which their nodes are at rest, head's
+// axes: the same of the hair whatever its shape, so that directions of two shapes differ by what
+// hair moves.
 std::vector<Vector3d> AlongRods(const groom::Groom& groom, const Beams& beams,
                                 std::span<const Row> guides, exec::WorkerPool& pool) {
   std::vector<Vector3d> directions(beams.directions.size());
-  const auto k = static_cast<size_t>(beams.options.segments);
+  const auto k = static_cast<size_t>(beams.segments);
   const auto blocks = groom.batch.blocks();
   pool.ParallelFor(static_cast<int>(blocks.size()), kBlocksPerPiece, [&](int first, int last) {
     thread_local PointScratch scratch;
     for (int i = first; i < last; ++i) {
-      ForRodPoints(groom, blocks[i], guides, {}, CurvePoints(beams.options), scratch,
+      ForRodPoints(groom, blocks[i], guides, {}, CurvePoints(beams.segments), scratch,
                    [&](int guide, std::span<const Vector3f> curve) {
-                     Stride(curve, beams.segment_length[guide],
-                            std::span(directions).subspan(guide * k, k));
+                     Between(curve, std::span(beams.places).subspan(guide * k, k),
+                             std::span(directions).subspan(guide * k, k));
                    });
     }
   });
   return directions;
-}
-
-// Directions that a step would leave out of the hull, and joints that turn no further than they
-// may: hair that stands still under no force takes one, too short to matter.
-void KeepOut(const Beams& beams, const math::Pose& head, std::vector<Vector3d>* directions,
-             exec::WorkerPool& pool) {
-  const auto k = static_cast<size_t>(beams.options.segments);
-  const auto own = [&](int hair) { return std::span(*directions).subspan(hair * k, k); };
-  std::vector<Row> rows = beams.rest;
-  beam::MotionDrive drive;
-  drive.head = head;
-  drive.velocity = drive.velocity_before = drive.spin = drive.spin_before = Vector3d::Zero();
-  drive.gravity = Vector3d::Zero();
-  drive.duration = kInstantStep;
-  drive.drag_scale = drive.friction_scale = 0;
-  drive.frame = 1;  // Nothing is drawn.
-  const std::array<Row, 3> air{};
-  pool.ParallelFor(beams.batch.blocks(), kBlocksPerPiece, [&](int first, int last) {
-    for (int block = first; block < last; ++block) {
-      const int begin = block * simd::kLanes,
-                end = std::min(begin + simd::kLanes, beams.batch.hair_count());
-      for (int i = begin; i < end; ++i) beams.batch.SetHair(i, own(i), {}, kInstantStep, rows);
-      beams.batch.Step(BeamKernels(), block, drive, air, rows);
-      for (int i = begin; i < end; ++i) beams.batch.GetHair(i, kInstantStep, rows, own(i), {});
-    }
-  });
 }
 
 void RodsToBeams(const groom::Groom& groom, std::shared_ptr<const Beams> beams, HeadState* state,
@@ -120,7 +94,7 @@ void RodsToBeams(const groom::Groom& groom, std::shared_ptr<const Beams> beams, 
   state->beams.active = true;
   state->beams.rows = beams->rest;
   state->beams.beams = std::move(beams);
-  const auto k = static_cast<size_t>(state->beams.beams->options.segments);
+  const auto k = static_cast<size_t>(state->beams.beams->segments);
   for (int guide = 0; guide < groom.guide_count(); ++guide) {
     state->beams.beams->batch.SetHair(guide, std::span(now).subspan(guide * k, k),
                                       std::span(rates).subspan(guide * k, k), state->beams.duration,
@@ -145,7 +119,7 @@ Vector3d VelocityAt(const Vector3d& root, double d, std::span<const Vector3d> ra
 void RodToBeam(const groom::Groom& groom, int guide, HeadState* state) {
   const BeamState& from = state->beams;
   const Beams& beams = *from.beams;
-  const int k = beams.options.segments;
+  const int k = beams.segments;
   std::vector<Vector3d> directions(k), rates(k), before(k);
   beams.batch.GetHair(guide, from.duration, from.rows, directions, rates);
   const Eigen::Matrix3d back = state->pose.q.conjugate().toRotationMatrix();

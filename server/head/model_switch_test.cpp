@@ -65,9 +65,9 @@ TEST(ModelSwitchTest, AStillUprightHeadShowsNoJump) {
 
 // How far points come from frame to frame of a shake, of hair that changes its model every so many
 // frames, or never.
-std::vector<double> Moves(const groom::Groom& groom, bool beam, int period,
-                          exec::WorkerPool& pool) {
-  const auto beams = MakeBeams(groom, nullptr, {}, pool);
+std::vector<double> Moves(const groom::Groom& groom, const BeamOptions& options, bool beam,
+                          int period, exec::WorkerPool& pool) {
+  const auto beams = MakeBeams(groom, nullptr, options, pool);
   HeadState state = AtRest(groom, Shaken(0));
   if (beam) StartBeams(beams, &state);
   std::vector<double> moves;
@@ -88,23 +88,28 @@ std::vector<double> Moves(const groom::Groom& groom, bool beam, int period,
 
 TEST(ModelSwitchTest, AMovingHeadsHairDoesNotJump) {
   exec::WorkerPool pool(1);
-  for (const auto& groom : TestGrooms()) {
-    const std::vector<double> rods = Moves(*groom, false, 0, pool),
-                              beams = Moves(*groom, true, 0, pool),
-                              changing = Moves(*groom, false, 40, pool);
-    for (int i = 40; i < std::ssize(changing); ++i) {
-      if (i % 40 > 15) continue;  // The transition is over.
-      // What either does within a period of the shake.
-      double ordinary = 0;
-      for (int j = std::max(0, i - 40); j < std::min<int>(i + 40, std::ssize(rods)); ++j) {
-        ordinary = std::max({ordinary, rods[j], beams[j]});
-      }
-      EXPECT_LT(changing[i], 1.5 * ordinary) << i;
-      // The first frame goes on as the last ones did, or as hair of either model does there.
-      if (i % 40 == 0) {
-        EXPECT_LT(changing[i],
-                  1.5 * std::max({changing[i - 1], changing[i - 2], rods[i], beams[i]}))
-            << i;
+  // As many segments as curls take, and fewer, longer than curls are wide.
+  for (const int segments : {0, 16, 8}) {
+    BeamOptions options;
+    options.segments = segments;
+    for (const auto& groom : TestGrooms()) {
+      const std::vector<double> rods = Moves(*groom, options, false, 0, pool),
+                                beams = Moves(*groom, options, true, 0, pool),
+                                changing = Moves(*groom, options, false, 40, pool);
+      for (int i = 40; i < std::ssize(changing); ++i) {
+        if (i % 40 > 15) continue;  // The transition is over.
+        // What either does within a period of the shake.
+        double ordinary = 0;
+        for (int j = std::max(0, i - 40); j < std::min<int>(i + 40, std::ssize(rods)); ++j) {
+          ordinary = std::max({ordinary, rods[j], beams[j]});
+        }
+        EXPECT_LT(changing[i], 1.5 * ordinary) << i;
+        // The first frame goes on as the last ones did, or as hair of either model does there.
+        if (i % 40 == 0) {
+          EXPECT_LT(changing[i],
+                    1.5 * std::max({changing[i - 1], changing[i - 2], rods[i], beams[i]}))
+              << i;
+        }
       }
     }
   }
@@ -214,7 +219,7 @@ TEST(ModelSwitchTest, BeamsTurnWithTheHead) {
   HeadState state = AtRest(*groom, Shaken(1));
   state.beams.spin = {1, 2, -0.5};
   SwitchModel(*groom, beams, kPoints, &state, pool);
-  const int k = beams->options.segments;
+  const int k = beams->segments;
   std::vector<Vector3d> directions(k), rates(k);
   for (int guide = 0; guide < groom->guide_count(); ++guide) {
     beams->batch.GetHair(guide, state.beams.duration, state.beams.rows, directions, rates);

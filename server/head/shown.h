@@ -38,7 +38,7 @@ void ForModelPoints(const groom::Groom& groom, const HeadState& state, int block
     return;
   }
   const Beams& beams = *state.beams.beams;
-  const int nodes = beams.options.segments + 1;
+  const int nodes = beams.segments + 1;
   thread_local std::vector<Eigen::Vector3f> own_nodes;
   own_nodes.resize(nodes);
   scratch.positions.resize(static_cast<size_t>(3) * nodes);

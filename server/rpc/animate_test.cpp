@@ -114,6 +114,11 @@ TEST_F(AnimateTest, EveryBadFieldIsNamedAndOthersGoOn) {
        [](auto* r) { r->mutable_model()->mutable_beam()->set_segments(65); }},
       {"model.beam.hold", [](auto* r) { r->mutable_model()->mutable_beam()->set_hold(kNan); }},
       {"model.beam.epsilon", [](auto* r) { r->mutable_model()->mutable_beam()->add_epsilon(0.5); }},
+      {"model.beam.largest_turn_rad",  // Segments are as many as epsilon has numbers.
+       [](auto* r) {
+         for (int i = 0; i < 3; ++i) r->mutable_model()->mutable_beam()->add_epsilon(0.5);
+         r->mutable_model()->mutable_beam()->add_largest_turn_rad(3);
+       }},
       {"model.beam.largest_turn_rad[1]",
        [](auto* r) {
          r->mutable_model()->mutable_beam()->set_segments(2);

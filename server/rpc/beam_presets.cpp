@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Of Mane's mannequin (styling::HullOf), rounded.
+// Of Mane's mannequin (groom::ScalpHull), rounded.
 const beam::Hull kHead{{0, 0.055, 0.025}, {0.092, 0.113, 0.117}};
 
 // To what people like to read in a document.

@@ -10,7 +10,7 @@
 namespace mane::rpc {
 namespace {
 
-constexpr uint32_t kFewestSegments = 2, kMostSegments = 64;
+constexpr int kFewestSegments = 2, kMostSegments = 64;
 constexpr double kMostHold = 1000;
 constexpr double kMostNear = 10;           // [m]
 constexpr double kMostFluctuation = 1;     // [rad]
@@ -56,12 +56,22 @@ Result<head::Model> ToModel(v1::AnimationModel model, head::FrameFormat format,
 
 Result<head::BeamOptions> ToBeamOptions(const v1::BeamMotion& message, const std::string& field) {
   head::BeamOptions beam;
-  if (message.segments() != 0) {
-    const auto ok =
-        CheckRange(field + ".segments", message.segments(), kFewestSegments, kMostSegments);
+  // Unset, there are as many as numbers by segment, if any, else as the groom takes.
+  int64_t segments = message.segments();
+  if (segments != 0) {
+    const auto ok = CheckRange(field + ".segments", segments, kFewestSegments, kMostSegments);
     if (!ok) return ok.error();
-    beam.segments = static_cast<int>(message.segments());
+  } else if (message.epsilon_size() + message.largest_turn_rad_size() > 0) {
+    const bool first = message.epsilon_size() > 0;
+    segments = first ? message.epsilon_size() : message.largest_turn_rad_size();
+    if (segments < kFewestSegments || segments > kMostSegments) {
+      const std::string array = field + (first ? ".epsilon" : ".largest_turn_rad");
+      return InvalidArgument(array, fmt::format("{} has {} numbers; it must have one for each of "
+                                                "{} to {} segments, or none",
+                                                array, segments, kFewestSegments, kMostSegments));
+    }
   }
+  beam.segments = static_cast<int>(segments);
   switch (message.equations()) {
     case v1::BEAM_EQUATIONS_UNSPECIFIED:
     case v1::BEAM_EQUATIONS_ACROSS:

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "head/beams.h"
 #include "head/memory.h"
 #include "head/wisps.h"
 
@@ -22,7 +23,8 @@ double PointCount(const groom::Groom& groom, const head::View& view) {
 // Says what a time step of `groom` is made of, as what is too much is to be told.
 std::string WhatSteps(const groom::Groom& groom, const head::ModelOptions& model = {}) {
   if (model.model == head::Model::kBeam) {
-    return fmt::format("{} guides of {} segments", groom.guide_count(), model.beam.segments);
+    return fmt::format("{} guides of {} segments", groom.guide_count(),
+                       head::SegmentsOf(groom, model.beam));
   }
   std::string what = fmt::format("{} elements", groom.stepped_elements());
   if (!groom.has_contact) return what;
@@ -66,7 +68,7 @@ Error TooMuchWork(const groom::Groom& groom, const head::Movement& movement,
 
 double StepWork(const groom::Groom& groom, int steps, const head::ModelOptions& model) {
   if (model.model == head::Model::kBeam) {
-    return kBeamSteps * groom.guide_count() * model.beam.segments * steps;
+    return kBeamSteps * groom.guide_count() * head::SegmentsOf(groom, model.beam) * steps;
   }
   double each = 1;
   if (groom.has_contact) {

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <numeric>
 #include <optional>
 #include <utility>
 
 #include "contact/first_hit.h"
+#include "groom/scalp_hull.h"
 #include "styling/farthest_points.h"
 
 namespace mane::styling {
@@ -17,31 +17,10 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-// Of a hull, as of a scalp that is an ellipsoid [m]: hairs lie within what a groom's can be from
-// their guides (groom::kOffsetUnitRange).
-constexpr double kLargestRadius = 10;
 constexpr double kLeastDepth = 1e-3;  // Of skin below its pore [m].
 constexpr Hsv kDarkBrown{0.07F, 0.5F, 0.3F};
 // Pieces of work between two looks whether it is still wanted.
 constexpr int kGrain = 16;
-
-// What of a mesh the hull encloses.
-std::vector<Vector3f> HeadOf(const groom::TriangleMesh& mesh) {
-  if (mesh.hair_triangles.empty()) return mesh.vertices;
-  Eigen::AlignedBox3f hair;
-  std::vector<Vector3f> points;
-  for (const uint32_t triangle : mesh.hair_triangles) {
-    for (const uint32_t corner : mesh.triangles[triangle]) {
-      hair.extend(mesh.vertices[corner]);
-      points.push_back(mesh.vertices[corner]);
-    }
-  }
-  hair.min().y() = hair.center().y();
-  hair.max().y() = std::numeric_limits<float>::infinity();
-  std::ranges::copy_if(mesh.vertices, std::back_inserter(points),
-                       [&hair](const Vector3f& vertex) { return hair.contains(vertex); });
-  return points;
-}
 
 // The skin below the pores of a mesh's hull.
 class Skin {
@@ -165,24 +144,10 @@ std::span<const Vector3f> Longest(const Members& members, int begin, int end) {
 
 }  // namespace
 
-Result<beam::Hull> HullOf(const groom::Scalp& scalp) {
-  if (const auto* ellipsoid = std::get_if<groom::Ellipsoid>(&scalp)) {
-    return beam::Hull{ellipsoid->center, ellipsoid->radii};
-  }
-  auto hull = beam::FitHull(HeadOf(std::get<groom::TriangleMesh>(scalp)));
-  if (!hull) return Error{hull.error().code, hull.error().message, "scalp_mesh"};
-  const Vector3d& radii = hull->radii;
-  if (radii.maxCoeff() <= kLargestRadius) return hull;
-  return InvalidArgument("scalp_mesh",
-                         fmt::format("scalp_mesh has a hull of radii ({:.6g}, {:.6g}, {:.6g}) m; "
-                                     "each must be at most {} m",
-                                     radii.x(), radii.y(), radii.z(), kLargestRadius));
-}
-
 Result<BeamHairstyle> MakeBeamHairstyle(const beam::BeamStyle& style, int guide_count,
                                         const groom::Scalp& scalp, const std::string& field,
                                         exec::WorkerPool& pool, const base::Cancelled& cancelled) {
-  const auto hull = HullOf(scalp);
+  const auto hull = groom::ScalpHull(scalp);
   if (!hull) return hull.error();
   const beam::Loop loop = [&](int count, const std::function<void(int, int)>& work) {
     pool.ParallelFor(count, kGrain, [&](int begin, int end) {

@@ -24,29 +24,22 @@ struct BeamHairstyle {
   std::vector<Hsv> colours;  ///< Dark brown, as bright as its ambient factor, (members).
 };
 
-/// The hull that stands for a head: an ellipsoid itself; of a mesh, the hull (beam::FitHull) of the
-/// corners of the triangles on which hair grows, and of what lies above their middle height and
-/// within their extent to the sides, front and back: neither of the jaw, which an ellipsoid around
-/// the skull fits badly, nor of neck and shoulders. Hair that grows everywhere: of all of the mesh.
-///
-/// @param scalp  valid and not empty. @return INVALID_ARGUMENT naming `scalp_mesh`, also where a
-///   radius would be above 10 m.
-[[nodiscard]] Result<beam::Hull> HullOf(const groom::Scalp& scalp);
-
 /// Applies a style by beams to a head.
 ///
 /// Guides: pores of each part are divided among as many cells (FarthestPointCells) as its share of
 /// `guide_count` by hairs, at least one; together they are no more than that, or than parts. Of
 /// each cell the hair of most nodes, of those the longest, is the guide; its hairs ride on it.
 ///
-/// On a mesh a hair begins with one more point: the skin, on the line from its pore to the hull's
-/// center, at least 1 mm below the pore; as much where there is no skin. The hull is larger than
-/// the head, by a centimetre or two in places. Hair that is tied begins where it is tied.
+/// On a mesh a hair begins with one more point: the skin, on the line from its pore to the
+/// center of its hull (groom::ScalpHull), at least 1 mm below the pore; as much where there is no
+/// skin. The hull is larger than the head, by a centimetre or two in places. Hair that is tied
+/// begins where it is tied.
 ///
 /// @param style        valid (beam::ValidateBeamStyle). @param guide_count  at least 1.
 /// @param scalp        valid and not empty.
 /// @param field        path of the style, for errors that show only here.
-/// @return the same bits for any number of workers. Errors of HullOf and beam::ApplyBeamStyle;
+/// @return the same bits for any number of workers. Errors of groom::ScalpHull and
+/// beam::ApplyBeamStyle;
 ///         CANCELLED, or anything, soon after `cancelled` says so.
 [[nodiscard]] Result<BeamHairstyle> MakeBeamHairstyle(const beam::BeamStyle& style, int guide_count,
                                                       const groom::Scalp& scalp,

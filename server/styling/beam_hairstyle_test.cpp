@@ -1,4 +1,4 @@
-// Hair by beams on a head: the hull, the guides among all hair, the skin that it begins on, and
+// Hair by beams on a head: the guides among all hair, the skin that it begins on, and
 // that the groom made of it holds every hair where it was bent to.
 
 #include "styling/beam_hairstyle.h"
@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "groom/import.h"
+#include "groom/scalp_hull.h"
 #include "styling/guides.h"
 #include "styling/test_scalps.h"
 #include "wire/assemble_hair.h"
@@ -68,52 +69,6 @@ groom::Ellipsoid Ball() {
   ball.center = kCenter;
   ball.radii = {0.08, 0.1, 0.09};
   return ball;
-}
-
-TEST(BeamHull, OfAnEllipsoidIsItself) {
-  const auto hull = HullOf(Ball());
-  ASSERT_TRUE(hull);
-  EXPECT_EQ(hull->center, kCenter);
-  EXPECT_EQ(hull->radii, Vector3d(0.08, 0.1, 0.09));
-}
-
-TEST(BeamHull, OfAMeshEnclosesTheHeadAndNotTheShoulders) {
-  groom::TriangleMesh mesh = Dome(kCenter, 1.5, 20);
-  mesh.hair_triangles.resize(mesh.triangles.size());
-  for (uint32_t i = 0; i < mesh.hair_triangles.size(); ++i) mesh.hair_triangles[i] = i;
-  const auto alone = HullOf(mesh);
-  ASSERT_TRUE(alone);
-  EXPECT_LT((alone->radii - Vector3d::Constant(kDomeRadius)).norm(), 1e-4);
-  // Jaw and shoulders lie below the middle; a hand is held up at the side.
-  mesh.vertices.emplace_back(0.0F, 0.12F, 0.09F);
-  mesh.vertices.emplace_back(0.0F, -0.3F, 0.0F);
-  mesh.vertices.emplace_back(0.4F, 0.2F, 0.0F);
-  const auto whole = HullOf(mesh);
-  ASSERT_TRUE(whole);
-  EXPECT_EQ(whole->radii, alone->radii);
-  // A hat does count.
-  mesh.vertices.emplace_back(0.0F, 0.23F, 0.0F);
-  const auto hat = HullOf(mesh);
-  ASSERT_TRUE(hat);
-  EXPECT_LE(hat->At({0, 0.23, 0}), 1e-6);
-}
-
-TEST(BeamHull, OfAFlatMeshIsRefusedByName) {
-  const auto hull = HullOf(Square(4));
-  ASSERT_FALSE(hull);
-  EXPECT_EQ(hull.error().field, "scalp_mesh");
-}
-
-TEST(BeamHull, OfAMeshThatIsTooLargeIsRefusedByName) {
-  for (const double radius : {9.9, 10.1}) {
-    groom::TriangleMesh mesh = Dome(Vector3d::Zero(), 1.5, 20);
-    for (Vector3f& vertex : mesh.vertices) vertex *= static_cast<float>(radius / kDomeRadius);
-    const auto hull = HullOf(mesh);
-    ASSERT_EQ(static_cast<bool>(hull), radius < 10) << radius;
-    if (!hull) {
-      EXPECT_EQ(hull.error().field, "scalp_mesh");
-    }
-  }
 }
 
 TEST(BeamHairstyle, EveryHairRidesOnALongOneOfItsPart) {
@@ -177,7 +132,7 @@ TEST(BeamHairstyle, BeginsOnTheSkinOfAMesh) {
   groom::TriangleMesh mesh = Dome(kCenter, 2.5, 30);
   mesh.vertices.emplace_back(0.0F, 0.23F, 0.0F);
   mesh.triangles.push_back({0, 1, static_cast<uint32_t>(mesh.vertices.size() - 1)});
-  const auto hull = HullOf(mesh);
+  const auto hull = groom::ScalpHull(mesh);
   ASSERT_TRUE(hull);
   beam::BeamStyle style = TwoParts();
   style.parts[1].tied_at->z() = -0.2;

@@ -50,7 +50,9 @@ enum class BeamEquations {
 
 /// What beams of a head are like. What is unset is the server's default.
 struct BeamMotion {
-  std::uint32_t segments = 0;  ///< Of every guide, all of one length, 2 to 64; 0 means 16.
+  /// Of every guide, all of one length, 2 to 64; 0 means as many as arrays by segment have numbers,
+  /// else one for each radian that guides turn by at rest, but 16 to 64.
+  std::uint32_t segments = 0;
   /// Factor on what holds segments in their directions at rest, 0 to 1000; 1. 0 is as published.
   std::optional<double> hold = std::nullopt;
   BeamEquations equations = BeamEquations::kAcross;

@@ -39,7 +39,9 @@ class BeamMotion:
     """What beams of a head are like. None is the server's default.
 
     Attributes:
-      segments: of every guide, all of one length, 2 to 64; 16 unless given.
+      segments: of every guide, all of one length, 2 to 64. None: as many as `epsilon` or
+        `largest_turn_rad` has numbers, else one for each radian that guides turn by at rest, but 16
+        to 64; `HairFrame.stepped_elements` over the guides tells how many.
       hold: factor on what holds segments in their directions at rest, 0 to 1000; 1. 0 is as
         published: hair that is only thrown about.
       equations: see `BeamEquations`.
