@@ -140,10 +140,9 @@ TYPED_TEST(MotionHullTest, NodesAreTurnedOutAsLittleAsItTakes) {
         } else if (kHull.At(would) < -1e-4) {
           ++turned;
           EXPECT_LT(kHull.At(node), 1e-4) << i;
-          const Vector3d normal = e[0].cross(was[1]);
-          if (normal.norm() > 0.1) {
-            EXPECT_LT(std::abs(normal.normalized().dot(e[1])), 1e-4);
-          }
+          // In the plane of the normal.
+          const Vector3d across = kHull.Gradient(moving.Nodes(kernels, i)[1]).cross(was[1]);
+          EXPECT_LT(std::abs(across.normalized().dot(e[1])), 1e-4);
           // Nearer directions of the plane end inside.
           const double angle = Angle(e[1], was[1]);
           const Vector3d u = was[1], v = (e[1] - e[1].dot(u) * u).normalized();

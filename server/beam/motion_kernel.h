@@ -109,7 +109,7 @@ struct Mover : Turns<T, W> {
         load.bound = shape.bounded ? load.push : V{};
         load.friction = lambda * K * tau_dt;
         e = segment.Step(load, F);
-        Adjust(shape, ball, lane, i, reach, p, d, first ? rest : previous, from, segment, e);
+        Adjust(shape, ball, lane, i, reach, p, d, previous, from, segment, e);
       }
       e = segment.Kept(e);
       segment.Write(e, state);
@@ -154,7 +154,7 @@ struct Mover : Turns<T, W> {
       if (Any(inside)) {
         const Vec past = segment.LastStep() - Cross(All(step.head_step), e);
         speed = Dot(past, past);
-        e = Out::TurnedOut(ball, reach, inside, p, d, previous, e);
+        e = Out::TurnedOut(ball, reach, inside, p, d, e, e);
         moved = moved | inside;
       }
     }

@@ -194,11 +194,10 @@ void ReferenceStep(const MotionHair& hair, int index, const Vector3d& gravity,
       if (hull && settings.avoid_hull) {
         const Vector3d local = R.transpose() * e;
         if (hull->At(p + hair.segment_length * local) < 0) {
-          const Vector3d a = R.transpose() * (i == 0 ? rest : previous);
           const Vector3d last =
               polar ? at.t_step * U(at.t, at.f) + at.f_step * std::sin(at.t) * V(at.f) : delta;
           speed = (last - w.cross(e)).norm();
-          e = R * TurnedOut(*hull, p, hair.segment_length, a, local);
+          e = R * TurnedOut(*hull, p, hair.segment_length, local, local);
           corrected = inside = true;
         }
       }
