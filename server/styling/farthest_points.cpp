@@ -12,7 +12,7 @@ std::vector<uint32_t> FarthestPointCells(std::span<const Eigen::Vector3f> points
   size_t next = 0;
   for (int cell = 0; cell < count && next < points.size(); ++cell) {
     if (base::IsCancelled(cancelled)) break;
-    const Eigen::Vector3f middle = points[next];
+    const Eigen::Vector3f& middle = points[next];
     for (size_t i = 0; i < points.size(); ++i) {
       const float here = (points[i] - middle).squaredNorm();
       if (here >= squared[i]) continue;
