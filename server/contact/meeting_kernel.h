@@ -254,7 +254,7 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
   }
   // Two groups as one body (K13).
   static Group Join(const Group& a, const Group& b, const V& room_before, V* room) {
-    const V facing = Dot(a.normal, b.normal), open = 1.0F + facing;
+    const V facing = Dot(a.normal, b.normal), open = 2.0F + 2.0F * facing;
     const V width = kJoin * (open < 1.0F ? (open > 0.0F ? open : V{}) : All(1)) + 1e-6F;
     const V ahead = 0.5F + 0.5F * (a.distance - b.distance) / width;
     const V part = ahead < 1.0F ? (ahead > 0.0F ? ahead : V{}) : All(1);  // That b has.
