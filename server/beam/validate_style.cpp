@@ -146,9 +146,9 @@ void Check(Checker* check, const std::vector<Cut>& cuts) {
 void Check(Checker* check, const Part& part) {
   check->Number("name", static_cast<double>(part.name.size()), 0, kLongestName, "bytes");
   Check(check, part.pores);
+  check->Number("tied_radius_m", part.tied_radius, 0, 1, "m");
   if (part.tied_at) {
     check->Vector("tied_at", *part.tied_at, kFarthest, "m");
-    check->Number("tied_radius_m", part.tied_radius, 0, 1, "m");
     check->Direction("tied_along", part.tied_along);
   }
   check->Number("hair_count", part.count, 1, static_cast<double>(kMostHairs), "");
