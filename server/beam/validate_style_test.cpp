@@ -67,7 +67,7 @@ TEST(ValidateBeamStyleTest, NamesWhatIsWrong) {
       {"parts[0].line_density_kg_m", [](auto& s) { s.parts[0].line_density = 0; }},
       {"parts[1].tied_at", [](auto& s) { s.parts[1].tied_at->x() = kNan; }},
       {"parts[1].tied_radius_m", [](auto& s) { s.parts[1].tied_radius = -1; }},
-      {"parts[0].tied_radius_m", [](auto& s) { s.parts[0].tied_radius = NAN; }},
+      {"parts[0].tied_radius_m", [](auto& s) { s.parts[0].tied_radius = kNan; }},
       {"parts[1].tied_along", [](auto& s) { s.parts[1].tied_along.setZero(); }},
       {"parts[0].pores.zenith.low", [](auto& s) { s.parts[0].pores.least_zenith = 3.5; }},
       {"parts[0].pores.zenith.low",
