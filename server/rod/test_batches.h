@@ -6,32 +6,19 @@
 #include <cstdint>
 #include <deque>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "rod/batch.h"
 #include "rod/test_strands.h"
 #include "rod/wound.h"
+#include "simd/test_every_isa.h"
 
 /// Packed strands, and a fixture of every instruction set, that the tests of this folder share.
 namespace mane::rod::fixtures {
 
-/// A typed test of the kernels of a number type.
 template <typename T>
-class EveryIsaTest : public testing::Test {
- protected:
-  /// Calls check(kernels) for every instruction set of this machine.
-  template <typename Check>
-  void ForEveryIsa(const Check& check) {
-    for (const simd::Isa isa : simd::Supported()) {
-      SCOPED_TRACE(std::string(simd::Name(isa)));
-      check(KernelsFor<T>(isa));
-    }
-  }
-};
-
-/// Both number types.
-using Numbers = testing::Types<float, double>;
+using EveryIsaTest = simd::fixtures::EveryIsaTest<&KernelsFor<T>>;
+using simd::fixtures::Numbers;
 
 inline RootedStrand Rooted(const Strand& strand, const math::Pose& root) { return {&strand, root}; }
 inline RootedStrand Rooted(const WoundStrand& wound, const math::Pose& root) {

@@ -8,17 +8,12 @@ linear. The last line is one JSON object. tests/bench/run builds what it needs.
 
 import json
 
-from program import result_of
+from program import print_table, result_of
 
 
 def main() -> None:
     result = result_of("beam", "beam_speed", __doc__)
-    for name, value in result.items():
-        if isinstance(value, dict):
-            for part, number in value.items():
-                print(f"{name + ' ' + part:<36}{number:>10}")
-        else:
-            print(f"{name:<36}{value:>10}")
+    print_table(result)
     print(json.dumps(result))
 
 

@@ -11,17 +11,12 @@ tests/bench/run builds what it needs.
 
 import json
 
-from program import result_of
+from program import print_table, result_of
 
 
 def main() -> None:
     result = result_of("styling", "styling_speed", __doc__)
-    for name, value in result.items():
-        if isinstance(value, dict):
-            for part, number in value.items():
-                print(f"{name + ' ' + part:<48}{number:>10}")
-        else:
-            print(f"{name:<48}{value:>10}")
+    print_table(result)
     print(json.dumps(result))
 
 

@@ -17,3 +17,13 @@ def result_of(benchmark: str, program: str, description: str) -> dict:
     ).parse_args()
     output = subprocess.run([FOLDER / program], check=True, capture_output=True, text=True).stdout
     return json.loads(output)
+
+
+def print_table(result: dict) -> None:
+    """Prints names and numbers, those of parts after the name of their whole."""
+    rows = {}
+    for name, value in result.items():
+        parts = value.items() if isinstance(value, dict) else [("", value)]
+        rows |= {f"{name} {part}".strip(): number for part, number in parts}
+    for name, number in rows.items():
+        print(f"{name:<{max(map(len, rows)) + 2}}{number:>10}")
