@@ -75,27 +75,10 @@ TEST_F(BeamStyleTest, AStyleBecomesAGroomAndSurvivesARestart) {
   EXPECT_EQ(report.strand_count(), 60U);
   EXPECT_EQ(report.control_point_count(), points);
 
-  const auto stub = v1::GroomService::NewStub(server_.channel());
-  grpc::ClientContext context;
-  v1::GetGroomRequest request;
-  request.set_name("grooms/beams");
-  v1::Groom groom;
-  ASSERT_TRUE(stub->GetGroom(&context, request, &groom).ok());
-  EXPECT_EQ(groom.guide_count(), 12U);
-  EXPECT_EQ(groom.hair_count(), 60U);
-  EXPECT_TRUE(groom.has_import_summary());
+  ExpectGroom("grooms/beams", 12, 60);
 }
 
-TEST_F(BeamStyleTest, TheSameRequestIsOneJob) {
-  auto header = SmallHeader();
-  header.set_request_id("once");
-  header.set_groom_id("once");
-  v1::Job first, second;
-  ASSERT_TRUE(Apply(header, &first).ok());
-  EXPECT_EQ(Watch(first.name()).state(), v1::Job::STATE_SUCCEEDED);
-  ASSERT_TRUE(Apply(header, &second).ok());
-  EXPECT_EQ(first.name(), second.name());
-}
+TEST_F(BeamStyleTest, TheSameRequestIsOneJob) { ExpectOneJob(SmallHeader()); }
 
 TEST_F(BeamStyleTest, AJobStopsWithinASecond) {
   auto header = SmallHeader();

@@ -74,26 +74,14 @@ TEST_F(StylingServiceTest, AStyleBecomesAGroomAndSurvivesARestart) {
   EXPECT_EQ(parts.back().report().groom(), "grooms/styled");
   EXPECT_EQ(parts.back().report().strand_count(), 60U);
 
-  const auto stub = v1::GroomService::NewStub(server_.channel());
-  grpc::ClientContext context;
-  v1::GetGroomRequest request;
-  request.set_name("grooms/styled");
-  v1::Groom groom;
-  ASSERT_TRUE(stub->GetGroom(&context, request, &groom).ok());
-  EXPECT_EQ(groom.guide_count(), 12U);
-  EXPECT_EQ(groom.hair_count(), 60U);
-  EXPECT_TRUE(groom.has_import_summary());
+  ExpectGroom("grooms/styled", 12, 60);
 }
 
 TEST_F(StylingServiceTest, TheSameRequestIsOneJob) {
   auto header = SmallHeader();
-  header.set_request_id("once");
+  ExpectOneJob(header);
+  v1::Job second;
   header.set_groom_id("once");
-  v1::Job first, second;
-  ASSERT_TRUE(Apply(header, &first).ok());
-  EXPECT_EQ(Watch(first.name()).state(), v1::Job::STATE_SUCCEEDED);
-  ASSERT_TRUE(Apply(header, &second).ok());
-  EXPECT_EQ(first.name(), second.name());
   header.set_request_id("twice");
   const grpc::Status taken = Apply(header, &second);
   EXPECT_EQ(taken.error_code(), grpc::StatusCode::ALREADY_EXISTS);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "mane/v1/groom.grpc.pb.h"
 #include "mane/v1/style.grpc.pb.h"
 #include "rpc/test_server.h"
 
@@ -53,6 +54,30 @@ class StylingFixture : public ::testing::Test {
     while (reader->Read(&part)) parts.push_back(part);
     *status = reader->Finish();
     return parts;
+  }
+
+  // Whether a style's groom has so many guides, imported, and hairs.
+  void ExpectGroom(const std::string& name, uint32_t guides, uint64_t hairs) {
+    const auto stub = v1::GroomService::NewStub(server_.channel());
+    grpc::ClientContext context;
+    v1::GetGroomRequest request;
+    request.set_name(name);
+    v1::Groom groom;
+    ASSERT_TRUE(stub->GetGroom(&context, request, &groom).ok());
+    EXPECT_EQ(groom.guide_count(), guides);
+    EXPECT_EQ(groom.hair_count(), hairs);
+    EXPECT_TRUE(groom.has_import_summary());
+  }
+
+  // Whether a request that is sent again once it is done finds its job.
+  void ExpectOneJob(v1::ApplyStyleHeader header) {
+    header.set_request_id("once");
+    header.set_groom_id("once");
+    v1::Job first, second;
+    ASSERT_TRUE(Apply(header, &first).ok());
+    EXPECT_EQ(Watch(first.name()).state(), v1::Job::STATE_SUCCEEDED);
+    ASSERT_TRUE(Apply(header, &second).ok());
+    EXPECT_EQ(first.name(), second.name());
   }
 
   TestServer server_;
