@@ -4,6 +4,7 @@
 
 #include "beam/motion_layout.h"
 #include "contact/batch_contact.h"
+#include "head/beams.h"
 
 namespace mane::head {
 
@@ -26,13 +27,15 @@ size_t StateBytes(const groom::Groom& groom) {
   return rows * sizeof(rod::Row<float>);
 }
 
-size_t BeamBytes(const groom::Groom& groom, int segments) {
-  // State, as it is and at rest, and constants, in blocks; directions guide by guide.
+size_t BeamBytes(const groom::Groom& groom, const BeamOptions& options) {
+  // State, as it is and at rest, and constants, in blocks; directions and places guide by guide.
   constexpr size_t kRows =
       2 * beam::layout::kAcrossState + size_t{beam::layout::kConstantsPerSegment};
-  const auto guides = static_cast<size_t>(groom.guide_count()), k = static_cast<size_t>(segments);
+  const auto guides = static_cast<size_t>(groom.guide_count()),
+             k = static_cast<size_t>(SegmentsOf(groom, options));
   const size_t blocks = (guides + simd::kLanes - 1) / simd::kLanes;
-  return k * (blocks * kRows * sizeof(rod::Row<float>) + guides * sizeof(Eigen::Vector3d));
+  return k * (blocks * kRows * sizeof(rod::Row<float>) +
+              guides * (sizeof(Eigen::Vector3d) + sizeof(double)));
 }
 
 }  // namespace mane::head

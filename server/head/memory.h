@@ -3,6 +3,7 @@
 #include <cstddef>
 
 #include "groom/groom.h"
+#include "head/model.h"
 
 namespace mane::head {
 
@@ -18,8 +19,8 @@ struct BodyCount {
 /// 16 kB a guide. O(elements).
 [[nodiscard]] size_t StateBytes(const groom::Groom& groom);
 
-/// Memory that beams of so many segments take [bytes]: what moves of one head, and Beams, which
-/// other heads of the same options share. O(1).
-[[nodiscard]] size_t BeamBytes(const groom::Groom& groom, int segments);
+/// Memory that beams take [bytes]: what moves of one head, and Beams, which other heads of the same
+/// options share. O(1).
+[[nodiscard]] size_t BeamBytes(const groom::Groom& groom, const BeamOptions& options);
 
 }  // namespace mane::head

@@ -82,8 +82,7 @@ double StepWork(const groom::Groom& groom, int steps, const head::ModelOptions& 
 
 size_t HeadBytes(const groom::Groom& groom, const HeadOptions& options) {
   const bool beams = options.model.model == head::Model::kBeam || options.may_shed;
-  return head::StateBytes(groom) +
-         (beams ? head::BeamBytes(groom, options.model.beam.segments) : 0);
+  return head::StateBytes(groom) + (beams ? head::BeamBytes(groom, options.model.beam) : 0);
 }
 
 Result<void> AdmitState(const groom::Groom& groom, const std::string& field) {

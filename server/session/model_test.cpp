@@ -128,21 +128,26 @@ TEST_F(ModelTest, AChangeNeedsRoomAndAChangeBackDoesNot) {
 
 TEST_F(ModelTest, MemoryOfBeamsNeedsRoom) {
   const auto groom = head::SampleGroom(37, 5);
-  const auto beams = head::MakeBeams(*groom, nullptr, Beam(11).beam, pool_);
-  head::HeadState state = head::AtRest(*groom, {});
-  head::StartBeams(beams, &state);
-  const size_t least = (state.beams.rows.size() + beams->rest.size()) * sizeof(rod::Row<float>) +
-                       beams->directions.size() * sizeof(Eigen::Vector3d);
-  const size_t counted = head::BeamBytes(*groom, 11);
-  EXPECT_GT(counted, least);
-  EXPECT_LT(counted, 1.5 * static_cast<double>(least));
+  for (const int segments : {11, 0}) {
+    const head::BeamOptions options = Beam(segments).beam;
+    const auto beams = head::MakeBeams(*groom, nullptr, options, pool_);
+    head::HeadState state = head::AtRest(*groom, {});
+    head::StartBeams(beams, &state);
+    const size_t least = (state.beams.rows.size() + beams->rest.size()) * sizeof(rod::Row<float>) +
+                         beams->directions.size() * sizeof(Eigen::Vector3d) +
+                         beams->places.size() * sizeof(double);
+    const size_t counted = head::BeamBytes(*groom, options);
+    EXPECT_GT(counted, least) << segments;
+    EXPECT_LT(counted, 1.5 * static_cast<double>(least)) << segments;
+  }
 
   HeadOptions rods, shed, eight;
   rods.pacing = eight.pacing = Pacing::kLockstep;
   shed.may_shed = true;
   eight.model = Beam(8);
   shed.model.beam = eight.model.beam;
-  const size_t small = head::StateBytes(*groom_), large = small + head::BeamBytes(*groom_, 8);
+  const size_t small = head::StateBytes(*groom_),
+               large = small + head::BeamBytes(*groom_, eight.model.beam);
   EXPECT_EQ(HeadBytes(*groom_, rods), small);
   EXPECT_EQ(HeadBytes(*groom_, eight), large);
   EXPECT_EQ(HeadBytes(*groom_, shed), large);
