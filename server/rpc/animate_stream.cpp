@@ -91,11 +91,11 @@ Result<void> AnimateStream::Handle(const v1::AnimateRequest& request) {
 }
 
 Result<void> AnimateStream::ChangeModel(const v1::SetModel& message) {
-  const head::ModelOptions now = head_->model();
-  const auto wanted = ToModelOptions(message, head_->options().view.format, now.beam, "model.");
+  const auto wanted =
+      ToModelOptions(message, head_->options().view.format, head_->model().beam, "model.");
   if (!wanted) return wanted.error();
   if (const auto room = registry_.AdmitModel(head_, *wanted); !room) {
-    OnNotice({session::Notice::Code::kModel, 0, now.model,
+    OnNotice({session::Notice::Code::kModel, 0, head_->shown_model(),
               "the head keeps its model: " + room.error().message});
     return {};
   }

@@ -54,7 +54,8 @@ HeadSession::HeadSession(std::string name, Asset asset, const HeadOptions& optio
       wanted_(options.model),
       motion_(bodies_),
       mailbox_(MakeMailbox(*groom_, options)),
-      asked_(options.model) {
+      asked_(options.model),
+      shown_model_(options.model.model) {
   head::StartContact(*groom_, bodies_, &state_);
   const bool beam = wanted_.model == head::Model::kBeam;
   if (beam || MayShed(options)) prepared_ = beams_.FindOrMake(asset_, wanted_.beam);
@@ -129,6 +130,11 @@ uint64_t HeadSession::next_frame() const {
 head::ModelOptions HeadSession::model() const {
   std::lock_guard lock(mutex_);
   return asked_;
+}
+
+head::Model HeadSession::shown_model() const {
+  std::lock_guard lock(mutex_);
+  return shown_model_;
 }
 
 void HeadSession::Attach(FrameSink* sink) {
@@ -269,6 +275,12 @@ std::shared_ptr<Frame> HeadSession::MakeFrame(double time, double newest_pose_ti
   return frame;
 }
 
+void HeadSession::Show(std::shared_ptr<Frame> frame) {
+  frame->index = next_frame_++;
+  shown_model_ = frame->model;
+  mailbox_.Put(std::move(frame));
+}
+
 // --- lockstep ---
 
 void HeadSession::RunCommand() {
@@ -306,8 +318,7 @@ void HeadSession::RunCommand() {
   {
     std::lock_guard lock(mutex_);
     if (frame) {
-      frame->index = next_frame_++;
-      mailbox_.Put(std::move(frame));
+      Show(std::move(frame));
     }
     in_hand_ = false;
     running_ = !commands_.empty() && !end_;
@@ -377,8 +388,7 @@ void HeadSession::RunTick(double due, double now) {
   auto frame = MakeFrame(time, newest_pose_time, started);
   {
     std::lock_guard lock(mutex_);
-    frame->index = next_frame_++;
-    mailbox_.Put(std::move(frame));
+    Show(std::move(frame));
     running_ = false;
   }
   NotifyLateness(now);

@@ -59,6 +59,8 @@ class HeadSession : public std::enable_shared_from_this<HeadSession> {
   [[nodiscard]] const HeadOptions& options() const { return options_; }
   /// What the client last asked for.
   [[nodiscard]] head::ModelOptions model() const;
+  /// What the newest frame was computed with, which may be another while it is prepared or shed.
+  [[nodiscard]] head::Model shown_model() const;
 
   /// Hands over what the client sent. kInvalidArgument for a pose whose time does not increase or
   /// (lockstep) is more than a second after the one before.
@@ -113,6 +115,8 @@ class HeadSession : public std::enable_shared_from_this<HeadSession> {
   };
   void MoveTo(const Target& target, double duration);
   void TeleportTo(Target target);
+  // The next frame. `mutex_` is held.
+  void Show(std::shared_ptr<Frame> frame);
   std::shared_ptr<Frame> MakeFrame(double time, double newest_pose_time, double started);
   void NotifyLateness(double now);
   [[nodiscard]] std::optional<Target> RealtimeTarget(double due, double* time,
@@ -152,6 +156,7 @@ class HeadSession : public std::enable_shared_from_this<HeadSession> {
   Mailbox mailbox_;
   uint64_t next_frame_ = 1;
   head::ModelOptions asked_;        // The newest, of commands that wait, too.
+  head::Model shown_model_;         // Of the newest frame.
   BeamLibrary::BeamsPtr prepared_;  // Those made last.
   bool preparing_ = false;          // Real time: a task makes others.
   Shedding shedding_;

@@ -301,6 +301,8 @@ TEST_F(ModelTest, AHeadThatMayBeShedBecomesBeamsWhileFramesComeLate) {
     tick(0);
     EXPECT_EQ(stream.frames().back()->model,
               may_shed ? head::Model::kBeam : head::Model::kSuperHelix);
+    EXPECT_EQ(head->shown_model(), may_shed ? head::Model::kBeam : head::Model::kSuperHelix);
+    EXPECT_EQ(head->model().model, head::Model::kSuperHelix);  // What its client asked for.
     const auto told = [&](head::Model model) {
       return std::ranges::count_if(stream.notices_, [model](const Notice& notice) {
         return notice.code == Notice::Code::kModel && notice.model == model;
