@@ -1,9 +1,11 @@
 #include "head/beam_motion.h"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
 #include <span>
+#include <vector>
 
 #include "head/head.h"
 #include "head/kernels.h"
@@ -25,23 +27,57 @@ Course CourseOf(const math::Pose& from, const Movement& movement) {
           math::RotationVector(movement.target.q * from.q.conjugate()) / movement.duration};
 }
 
-// The air at the roots of a block.
-std::array<Row, 3> AirAt(const WindField& wind, const std::array<Row, 3>& roots,
-                         const math::Pose& head, double time) {
-  std::array<Row, 3> air;
-  const Vector3d mean = wind.Mean(time);
-  for (int axis = 0; axis < 3; ++axis) {
-    std::fill(std::begin(air[axis].lane), std::end(air[axis].lane), static_cast<float>(mean[axis]));
+// A step of a movement, for all blocks.
+struct Step {
+  beam::MotionDrive drive;
+  double time;               // Of its middle [s].
+  std::array<Row, 3> air{};  // Without eddies.
+};
+
+// All steps of a movement.
+void SetSteps(const HeadState& state, const Movement& movement, const Environment& environment,
+              const WindField& wind, std::vector<Step>* all) {
+  const BeamState& before = state.beams;
+  const Course course = CourseOf(state.pose, movement);
+  const int steps = StepCount(movement);
+  const double dt = movement.duration / steps;
+  all->resize(steps);
+  for (int i = 0; i < steps; ++i) {
+    Step& step = (*all)[i];
+    beam::MotionDrive& drive = step.drive;
+    drive.head = i + 1 == steps ? movement.target
+                                : math::Interpolate(state.pose, movement.target,
+                                                    static_cast<double>(i + 1) / steps);
+    drive.velocity_before = i == 0 ? before.velocity : course.velocity;
+    drive.spin_before = i == 0 ? before.spin : course.spin;
+    drive.velocity = course.velocity;
+    drive.spin = course.spin;
+    drive.gravity = environment.gravity;
+    drive.duration = dt;
+    drive.duration_before = i == 0 ? before.duration : dt;
+    drive.drag_scale = environment.air_drag_scale;
+    drive.friction_scale = environment.internal_friction_scale;
+    drive.frame = before.steps + static_cast<uint64_t>(i);
+    step.time = state.time + (i + 0.5) * dt;
+    const Vector3d mean = wind.Mean(step.time);
+    for (int axis = 0; axis < 3; ++axis) {
+      std::ranges::fill(step.air[axis].lane, static_cast<float>(mean[axis]));
+    }
   }
+}
+
+// The air at the roots of a block.
+std::array<Row, 3> AirAt(const WindField& wind, const std::array<Row, 3>& roots, const Step& step) {
+  std::array<Row, 3> air = step.air;
   if (!wind.turbulent()) return air;
-  const Eigen::Matrix3f R = head.q.toRotationMatrix().cast<float>();
+  const Eigen::Matrix3f R = step.drive.head.q.toRotationMatrix().cast<float>();
   std::array<Row, 3> turned;
   for (int lane = 0; lane < simd::kLanes; ++lane) {
     const Eigen::Vector3f root =
         R * Eigen::Vector3f(roots[0].lane[lane], roots[1].lane[lane], roots[2].lane[lane]);
     for (int axis = 0; axis < 3; ++axis) turned[axis].lane[lane] = root[axis];
   }
-  wind.Evaluate(time, head.p, turned, air);
+  wind.Evaluate(step.time, step.drive.head.p, turned, air);
   return air;
 }
 
@@ -88,39 +124,21 @@ int AdvanceBeams(const Movement& movement, const Environment& environment, HeadS
                  exec::WorkerPool& pool) {
   BeamState& own = state->beams;
   const Beams& beams = *own.beams;
-  const Course course = CourseOf(state->pose, movement);
   const WindField wind(environment.wind, environment.wind_variation);
-  const int steps = StepCount(movement);
-  const double dt = movement.duration / steps;
+  thread_local std::vector<Step> own_steps;
+  std::vector<Step>& steps = own_steps;
+  SetSteps(*state, movement, environment, wind, &steps);
   std::atomic<int> repaired = 0;
   pool.ParallelFor(beams.batch.blocks(), kBlocksPerPiece, [&](int first, int last) {
     for (int block = first; block < last; ++block) {
-      beam::MotionDrive drive;
-      drive.velocity_before = own.velocity;
-      drive.spin_before = own.spin;
-      drive.velocity = course.velocity;
-      drive.spin = course.spin;
-      drive.gravity = environment.gravity;
-      drive.duration = dt;
-      drive.duration_before = own.duration;
-      drive.drag_scale = environment.air_drag_scale;
-      drive.friction_scale = environment.internal_friction_scale;
-      for (int i = 0; i < steps; ++i) {
-        drive.head = i + 1 == steps ? movement.target
-                                    : math::Interpolate(state->pose, movement.target,
-                                                        static_cast<double>(i + 1) / steps);
-        drive.frame = own.steps + static_cast<uint64_t>(i);
-        const double middle = state->time + (i + 0.5) * dt;
-        beams.batch.Step(BeamKernels(), block, drive,
-                         AirAt(wind, beams.roots[block], drive.head, middle), own.rows);
-        drive.velocity_before = course.velocity;
-        drive.spin_before = course.spin;
-        drive.duration_before = dt;
+      for (const Step& step : steps) {
+        beams.batch.Step(BeamKernels(), block, step.drive, AirAt(wind, beams.roots[block], step),
+                         own.rows);
       }
-      repaired += RepairBlock(beams, block, movement.target, dt, own.rows);
+      repaired += RepairBlock(beams, block, movement.target, steps.back().drive.duration, own.rows);
     }
   });
-  own.steps += static_cast<uint64_t>(steps);
+  own.steps += steps.size();
   return repaired;
 }
 
