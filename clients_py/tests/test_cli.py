@@ -199,7 +199,11 @@ def test_an_interrupted_bake_is_cancelled(client, maned, tmp_path):
     arguments = ["--server", maned.address, "bake", str(tmp_path / "long.csv"),
                  "-g", groom.name, "-o", str(tmp_path / "x.npz"), "--substeps", "64"]  # fmt: skip
     known = {job.name for job in client.list_jobs()}
-    process = subprocess.Popen(command(*arguments), stderr=subprocess.PIPE, text=True)
+    # A suite that was started in the background ignores interrupts, and so would the command.
+    process = subprocess.Popen(
+        command(*arguments), stderr=subprocess.PIPE, text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )  # fmt: skip
     try:
         deadline = time.monotonic() + 60
         while not (mine := [j for j in client.list_jobs() if j.name not in known]):
