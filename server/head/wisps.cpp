@@ -44,9 +44,9 @@ struct Memory {
 template <typename Visit>
 void ForPoints(const groom::Groom& groom, const Wisps& wisps, int i, const BlockStep& step,
                int lanes, const Visit& visit) {
-  const auto& block = groom.batch.blocks()[i];
+  const int last = groom.batch.blocks()[i].count - 1;
   for (int lane = 0; lane < lanes; ++lane) {
-    const int first = wisps.first[block.strands[lane]];
+    const int first = wisps.first[wisps.first_guide[i] + std::min(lane, last)];
     for (int point = 0; point < step.points(); ++point) visit(point, lane, first + point);
   }
 }
@@ -71,19 +71,16 @@ Wisps MakeWisps(const groom::Groom& groom, const Bodies& bodies, exec::WorkerPoo
   Wisps wisps;
   const auto blocks = groom.batch.blocks();
   std::vector<std::vector<int>> first_points;
-  std::vector<int> count(groom.guide_count());  // Points of each guide.
+  wisps.first = {0};
   for (const auto& block : blocks) {
     first_points.push_back(contact::FirstPoints(groom.batch, block));
+    wisps.first_guide.push_back(static_cast<int32_t>(wisps.radius.size()));
     for (int lane = 0; lane < block.count; ++lane) {
-      count[block.strands[lane]] = first_points.back().back();
+      const groom::Guide& guide = groom.guides[block.strands[lane]];
+      wisps.first.push_back(wisps.first.back() + first_points.back().back());
+      wisps.radius.push_back(static_cast<float>(guide.wisp_radius));
+      wisps.curliness.push_back(static_cast<float>(Curliness(guide.strand)));
     }
-  }
-  wisps.first = {0};
-  for (int i = 0; i < groom.guide_count(); ++i) {
-    const groom::Guide& guide = groom.guides[i];
-    wisps.first.push_back(wisps.first.back() + count[i]);
-    wisps.radius.push_back(static_cast<float>(guide.wisp_radius));
-    wisps.curliness.push_back(static_cast<float>(Curliness(guide.strand)));
   }
   const size_t points = wisps.first.back();
   for (auto* list : {&wisps.mass, &wisps.x, &wisps.y, &wisps.z, &wisps.density}) {

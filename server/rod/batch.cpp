@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <tuple>
 
 #include "base/check.h"
+#include "math/space_order.h"
 #include "rod/rotary_inertia.h"
 #include "rod/scheme.h"
 
@@ -77,8 +79,15 @@ Batch<T>::Batch(std::span<const RootedStrand> strands, Grouping grouping)
   const auto group = [&](int i) {
     return std::pair(strands[i].wound != nullptr, strands[i].strand->elements());
   };
-  const auto key = [&](int i) { return std::pair(group(i), WindingClass(*strands[i].strand)); };
-  if (grouping == Grouping::kByWinding) std::ranges::stable_sort(order, {}, key);
+  if (grouping == Grouping::kByWinding) {
+    std::vector<Vector3d> roots;
+    roots.reserve(strands.size());
+    for (const RootedStrand& strand : strands) roots.push_back(strand.root.p);
+    const std::vector<uint64_t> places = math::SpaceOrder(roots);
+    std::ranges::stable_sort(order, {}, [&](int i) {
+      return std::tuple(group(i), WindingClass(*strands[i].strand), places[i]);
+    });
+  }
 
   size_t constant_rows = 0;
   for (size_t i = 0; i < order.size();) {

@@ -47,12 +47,14 @@ class Batch {
 
   /// Which strands share a block.
   enum class Grouping {
-    kByWinding,  ///< Those of equal N that wind about as far within an element.
-    kAsGiven,    ///< Neighbours of equal N, lane by lane in the order given.
+    /// Those of equal N that wind about as far within an element; of these, with roots near each
+    /// other: they see the same parts of what they meet.
+    kByWinding,
+    kAsGiven,  ///< Neighbours of equal N, lane by lane in the order given.
   };
 
   Batch() = default;
-  /// Strands are grouped by kind and N, then by how far they wind within an element.
+  /// Strands are grouped by kind and N, then by `grouping`.
   explicit Batch(std::span<const RootedStrand> strands, Grouping grouping = Grouping::kByWinding);
 
   [[nodiscard]] std::span<const Block> blocks() const { return blocks_; }

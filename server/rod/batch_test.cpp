@@ -2,7 +2,8 @@
 //   oracle        equals Step, strand by strand, for any N, lengths, windings, clamps, airs
 //   independence  a lane's bits depend on nothing in other lanes, nor on its place
 //   positions     are those of the reconstructed centreline
-//   packing       states go in and come out; blocks are full but for the last of each N
+//   packing       states go in and come out; blocks are full but for the last of each N, and of
+//                 strands that are near each other
 //   economy       a warm step does not allocate
 
 #include "rod/batch.h"
@@ -192,9 +193,10 @@ TYPED_TEST(BatchTest, ACalmLaneDoesNotDependOnWoundNeighbours) {
         for (int i = 0; i < kLanes; ++i) {
           if (i == place) {
             packed.Add(watched, root, start);
-          } else {  // Alike in their natural shapes: strands keep their order in the block.
+          } else {  // Alike in natural shape and place: strands keep their order in the block.
             const Strand other = random.UnevenStrand(5, 0.2, 0.1);
-            packed.Add(other, random.AnyRoot(), random.AnyState(other, angle, 1, 0.1));
+            const math::Pose beside{root.p, random.AnyRoot().q};
+            packed.Add(other, beside, random.AnyState(other, angle, 1, 0.1));
           }
         }
         packed.Pack();
@@ -335,6 +337,24 @@ TYPED_TEST(BatchTest, PacksFullBlocksOfEqualElementNumber) {
     EXPECT_LT(Difference(packed.Get(i).theta, packed.start(i).theta), tolerance);
     EXPECT_LT(Difference(packed.Get(i).rate, packed.start(i).rate), tolerance);
     EXPECT_LT(Difference(packed.Get(i).velocity, packed.start(i).velocity), tolerance);
+  }
+}
+
+// Strands of eight places far from each other, given in turn: a block holds those of one place.
+TYPED_TEST(BatchTest, StrandsThatGrowNearEachOtherShareABlock) {
+  using T = TypeParam;
+  Random random(74);
+  const Strand strand = random.UnevenStrand(3, 0.2, 0.1);
+  Packed<T> packed;
+  for (int i = 0; i < 8 * kLanes; ++i) {
+    math::Pose root = random.AnyRoot();
+    root.p = Vector3d(i & 1, i >> 1 & 1, i >> 2 & 1) + random.Vector(0.1);
+    packed.Add(strand, root, random.AnyState(strand, 0.2, 1, 0.1));
+  }
+  packed.Pack();
+  ASSERT_EQ(packed.batch().blocks().size(), 8u);
+  for (const auto& block : packed.batch().blocks()) {
+    for (const int i : block.strands) EXPECT_EQ(i % 8, block.strands[0] % 8);
   }
 }
 
