@@ -1,23 +1,52 @@
 #include "contact/wisp_approach.h"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 
-#include "contact/segment_distance.h"
+#include "simd/rows.h"
 
 namespace mane::contact {
 namespace {
 
 using Eigen::Vector3f;
 using Contact = WispScratch::Contact;
+using simd::kLanes;
+using SegmentRows = std::array<simd::Row<float>, kSegmentPairRows>;
+using Approaches = std::array<simd::Row<float>, kApproachRows>;
 
-// First time in [0, dt] at which d + time w is as short as `reach`, or shortest.
-float TouchTime(const Vector3f& d, const Vector3f& w, float reach, float dt) {
-  const float ww = w.squaredNorm(), dw = d.dot(w), beyond = d.squaredNorm() - reach * reach;
-  if (!(beyond > 0) || !(dw < 0) || !(ww * dt * dt > 1e-14f)) return 0;
-  const float root = dw * dw - ww * beyond;
-  const float time = root > 0 ? beyond / (-dw + std::sqrt(root)) : -dw / ww;
-  return std::min(time, dt);
+constexpr int kSteps = 5;  // That a walk takes at most.
+
+void Put(const Vector3f& v, int row, size_t lane, SegmentRows& rows) {
+  for (int k = 0; k < 3; ++k) rows[static_cast<size_t>(row + k)].lane[lane] = v[k];
+}
+
+Vector3f Get(const Approaches& rows, int row, size_t lane) {
+  const auto r = static_cast<size_t>(row);
+  return {rows[r].lane[lane], rows[r + 1].lane[lane], rows[r + 2].lane[lane]};
+}
+
+// The steps from where a contact is at an end of its segments to the next ones along the guides
+// that lead nearer: along both, along the first, along the second. Calls visit(points).
+template <typename Visit>
+void ForNext(const WispPoints& points, const WispScratch& scratch, const Contact& contact,
+             const Visit& visit) {
+  int32_t next[2];
+  for (int k = 0; k < 2; ++k) {
+    const float s = contact.fraction[k];
+    next[k] = contact.point[k];
+    const int way = s >= 1 ? 1 : s <= 0 ? -1 : 0;
+    const int32_t p = contact.point[k] + way;
+    if (way == 0 || p < 0) continue;
+    const auto at = static_cast<size_t>(p);
+    if (scratch.guide_of[at] != contact.guide[k]) continue;
+    const Vector3f edge = points.Position(at + 1) - points.Position(at);
+    const float nearer = (k == 0 ? -1.0f : 1.0f) * contact.approach.dot(edge);
+    if (static_cast<float>(way) * nearer > 0) next[k] = p;
+  }
+  const bool one = next[0] != contact.point[0], two = next[1] != contact.point[1];
+  if (one && two) visit(next[0], next[1]);
+  if (one) visit(next[0], contact.point[1]);
+  if (two) visit(contact.point[0], next[1]);
 }
 
 }  // namespace
@@ -29,69 +58,59 @@ float SumOfRadii(const WispPoints& points, const int32_t guide[2]) {
   return radius(guide[0]) + radius(guide[1]);
 }
 
-Contact Approach(const WispPoints& points, const WispStep& step, const int32_t guide[2],
-                 const int32_t point[2]) {
-  Vector3f start[4], velocity[4];
-  for (size_t k = 0; k < 4; ++k) {
-    const auto p = static_cast<size_t>(point[k / 2]) + k % 2;
-    velocity[k] = points.velocity[p];
-    start[k] = points.Position(p) - step.h * velocity[k];
+void FindApproaches(const WispPoints& points, const WispStep& step, const WispScratch& scratch,
+                    std::span<Contact> contacts) {
+  SegmentRows segments{};
+  Approaches approaches;
+  for (size_t first = 0; first < contacts.size(); first += kLanes) {
+    const auto some = contacts.subspan(first, std::min<size_t>(kLanes, contacts.size() - first));
+    for (size_t lane = 0; lane < some.size(); ++lane) {
+      for (int end = 0; end < 4; ++end) {
+        const auto p = static_cast<size_t>(some[lane].point[end / 2] + end % 2);
+        Put(scratch.start[p], kEnds + 3 * end, lane, segments);
+        Put(points.velocity[p], kMotion + 3 * end, lane, segments);
+      }
+      segments[kTouchAt].lane[lane] = SumOfRadii(points, some[lane].guide);
+    }
+    step.kernels->approach(segments[0].lane, step.dt, approaches[0].lane);
+    for (size_t lane = 0; lane < some.size(); ++lane) {
+      Contact& contact = some[lane];
+      contact.fraction[0] = approaches[kFractions].lane[lane];
+      contact.fraction[1] = approaches[kFractions + 1].lane[lane];
+      contact.distance = approaches[kLeastApart].lane[lane];
+      contact.start = Get(approaches, kApart, lane);
+      contact.approach = Get(approaches, kTouching, lane);
+    }
   }
-  const auto closest = [&](float time) {
-    return ClosestPoints({start[0] + time * velocity[0], start[1] + time * velocity[1]},
-                         {start[2] + time * velocity[2], start[3] + time * velocity[3]});
-  };
-  const auto difference = [](const Vector3f x[4], const ClosestFractions& at) -> Vector3f {
-    return x[0] + at.s * (x[1] - x[0]) - x[2] - at.t * (x[3] - x[2]);
-  };
-
-  const float reach = SumOfRadii(points, guide);
-  ClosestFractions at = closest(0);
-  Vector3f d = difference(start, at), w = difference(velocity, at);
-  float time = TouchTime(d, w, reach, step.dt);
-  if (time * w.norm() > 0.1f * reach) {  // Other places may be closest then.
-    at = closest(time);
-    d = difference(start, at);
-    w = difference(velocity, at);
-    time = TouchTime(d, w, reach, step.dt);
-  }
-  return {{guide[0], guide[1]},
-          {point[0], point[1]},
-          {at.s, at.t},
-          std::sqrt(LeastDistance2(d, w, step.dt)),
-          d,
-          d + time * w};
 }
 
 void Walk(const WispPoints& points, const WispStep& step, const WispScratch& scratch,
-          Contact& contact) {
-  const int32_t guide[2] = {contact.guide[0], contact.guide[1]};
-  const auto go = [&](const int32_t next[2]) {
-    const Contact closer = Approach(points, step, guide, next);
-    const bool better = closer.distance < contact.distance;
-    if (better) contact = closer;
-    return better;
-  };
-  const auto edge = [&](int32_t p) -> Vector3f {
-    const auto k = static_cast<size_t>(p);
-    return points.Position(k + 1) - points.Position(k);
-  };
-  for (int tries = 0; tries < 5; ++tries) {
-    int32_t next[2];
-    for (int k = 0; k < 2; ++k) {
-      const float s = contact.fraction[k];
-      next[k] = contact.point[k];
-      const int way = s >= 1 ? 1 : s <= 0 ? -1 : 0;
-      const int32_t p = contact.point[k] + way;
-      if (way == 0 || p < 0 || scratch.guide_of[static_cast<size_t>(p)] != guide[k]) continue;
-      // Only where the next segment leads nearer to the other.
-      const float nearer = (k == 0 ? -1.0f : 1.0f) * contact.approach.dot(edge(p));
-      if (static_cast<float>(way) * nearer > 0) next[k] = p;
+          std::span<Contact> contacts, WalkScratch& walk) {
+  auto& [walking, next, next_of] = walk;
+  KeepRoom(walking, contacts.size());
+  walking.resize(contacts.size());
+  for (size_t i = 0; i < contacts.size(); ++i) walking[i] = static_cast<int32_t>(i);
+  for (int steps = 0; steps < kSteps && !walking.empty(); ++steps) {
+    next.clear(), next_of.clear();
+    for (const int32_t i : walking) {
+      const Contact& contact = contacts[static_cast<size_t>(i)];
+      ForNext(points, scratch, contact, [&](int32_t first, int32_t second) {
+        next.push_back({{contact.guide[0], contact.guide[1]},
+                        {first, second},
+                        {contact.origin[0], contact.origin[1]}});
+        next_of.push_back(i);
+      });
     }
-    const int32_t first[2] = {next[0], contact.point[1]};
-    const int32_t second[2] = {contact.point[0], next[1]};
-    const bool one = next[0] != contact.point[0], two = next[1] != contact.point[1];
-    if (!(one && two && go(next)) && !(one && go(first)) && !(two && go(second))) break;
+    KeepRoom(next), KeepRoom(next_of);
+    FindApproaches(points, step, scratch, next);
+    walking.clear();
+    for (size_t k = 0; k < next.size(); ++k) {
+      Contact& contact = contacts[static_cast<size_t>(next_of[k])];
+      if (next[k].distance >= contact.distance) continue;
+      if (!walking.empty() && walking.back() == next_of[k]) continue;  // It has gone on.
+      contact = next[k];
+      walking.push_back(next_of[k]);
+    }
   }
 }
 

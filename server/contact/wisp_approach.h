@@ -1,6 +1,8 @@
 #pragma once
 
 #include <algorithm>
+#include <span>
+#include <vector>
 
 #include "contact/wisp_pairs.h"
 
@@ -12,25 +14,35 @@ inline constexpr float kMargin = 0.25f;
 
 inline constexpr float kUnknown = -1;  ///< Slack of what has to be looked at [m].
 
+/// Leaves room for some more than `size`, so that a list need not grow in every step that finds a
+/// few more.
+template <typename T>
+void KeepRoom(std::vector<T>& list, size_t size) {
+  if (5 * size > 4 * list.capacity()) list.reserve(2 * size);
+}
+template <typename T>
+void KeepRoom(std::vector<T>& list) {
+  KeepRoom(list, list.size());
+}
+
 /// Of two guides' wisps [m].
 [[nodiscard]] float SumOfRadii(const WispPoints& points, const int32_t guide[2]);
 
-/// Least squared length of d + time w within [0, dt].
-[[nodiscard]] inline float LeastDistance2(const Eigen::Vector3f& d, const Eigen::Vector3f& w,
-                                          float dt) {
-  const float dw = d.dot(w), ww = w.squaredNorm();
-  const float time = std::clamp(-dw / std::max(ww, 1e-20f), 0.0f, dt);
-  return (d + time * w).squaredNorm();
-}
+/// Finds where the segments of each contact, contact.guide and contact.point, come closest within
+/// the step: when they first touch at the sum of their radii, or are nearest (contact.md, H2).
+void FindApproaches(const WispPoints& points, const WispStep& step, const WispScratch& scratch,
+                    std::span<WispScratch::Contact> contacts);
 
-/// Two segments of different guides within a step (contact.md, H2): where they are closest when
-/// they first touch at the sum of their radii, or come closest.
-[[nodiscard]] WispScratch::Contact Approach(const WispPoints& points, const WispStep& step,
-                                            const int32_t guide[2], const int32_t point[2]);
+/// Memory of walks; grows to what it has seen and is reused.
+struct WalkScratch {
+  std::vector<int32_t> walking;            ///< Which contacts have just gone on,
+  std::vector<WispScratch::Contact> next;  ///< where they might go,
+  std::vector<int32_t> next_of;            ///< and which of them.
+};
 
 /// Where two segments touch at an end, goes on to the next ones along the guides as long as those
 /// are closer.
 void Walk(const WispPoints& points, const WispStep& step, const WispScratch& scratch,
-          WispScratch::Contact& contact);
+          std::span<WispScratch::Contact> contacts, WalkScratch& walk);
 
 }  // namespace mane::contact

@@ -56,7 +56,8 @@ size_t Place(const WispPoints& points, size_t g, const WispStep& step, const Wis
     const bool usable = Usable(points, p);
     if (usable) {
       const Vector3f u = points.velocity[p];
-      const Vector3f r = points.Position(p) - step.h * u - frame.position;
+      scratch.start[p] = points.Position(p) - step.h * u;
+      const Vector3f r = scratch.start[p] - frame.position;
       const Vector3f w = step.dt * (u - frame.velocity - frame.spin.cross(r));
       place = R * r;
       sweep = R * w;

@@ -7,11 +7,10 @@
 #include <vector>
 
 #include "contact/segment_grid.h"
+#include "contact/wisp_layout.h"
 #include "contact/wisp_points.h"
 
 namespace mane::contact {
-
-inline constexpr int kLongestLink = 8;  ///< [segments]
 
 /// What a head's wisps may cost in a step: so much a point, and as much as for some thousands of
 /// points `more`, so that small heads are searched in full (contact.md, H3).
@@ -23,6 +22,7 @@ inline constexpr int kLongestLink = 8;  ///< [segments]
 struct WispStep {
   float dt;  ///< [s]
   float h;   ///< kTheta dt: positions are extrapolated by it [s].
+  const WispKernels* kernels;
 };
 
 /// A rigid frame that goes with a head's hair: links are seen in it, so that hair which is carried
@@ -48,7 +48,7 @@ struct WispNeighbours {
   struct Pair {
     int32_t first, second;
     float slack;        ///< They need not be looked at until they have moved by this [m].
-    int8_t segment[2];  ///< Which touch, counted from each one's first; kNone where none do.
+    int8_t segment[2];  ///< Which come near, counted from each one's first; kNone where none do.
 
     [[nodiscard]] bool known() const { return segment[0] != kNone; }
   };

@@ -318,6 +318,7 @@ void FindNeighbours(const WispPoints& points, const WispStep& step, const WispSe
   scratch.guide_mass.resize(points.radius.size());
   scratch.last_place.resize(points.mass.size());
   scratch.sweep.resize(points.mass.size());
+  scratch.start.resize(points.mass.size());
   scratch.links.resize(neighbours.around.size());
   scratch.boxes.resize(neighbours.around.size());
   scratch.moved.resize(neighbours.around.size());

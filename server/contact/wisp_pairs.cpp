@@ -82,10 +82,9 @@ void Continue(const WispPair& old, bool first, double steps, WispPair& pair) {
 void FindPairs(const WispPoints& points, const WispStep& step, const WispSettings& settings,
                double steps, int begin, int end, WispScratch& scratch, WispNeighbours& neighbours,
                WispScratch::Piece& piece) {
-  FindContacts(points, step, scratch, begin, end, neighbours, piece);
   piece.pairs.clear();
   OldPairs old_pairs(scratch.pairs, begin);
-  for (const Contact& contact : piece.contacts) {
+  for (const Contact& contact : FindContacts(points, step, scratch, begin, end, neighbours)) {
     const WispPair* nearest = nullptr;
     float least = kFarthestFollowed;
     for (const WispPair& old : old_pairs.Of(contact.guide)) {
@@ -103,6 +102,9 @@ void FindPairs(const WispPoints& points, const WispStep& step, const WispSetting
 
   const auto by_guide = [](const WispPair& pair, int guide) { return pair.guide[0] < guide; };
   const size_t found = piece.pairs.size();
+  thread_local std::vector<Contact> crossed;
+  thread_local std::vector<const WispPair*> old_of;
+  crossed.clear(), old_of.clear();
   for (auto old = std::lower_bound(scratch.pairs.begin(), scratch.pairs.end(), begin, by_guide);
        old != scratch.pairs.end() && old->guide[0] < end; ++old) {
     const auto usable = [&](int k) {
@@ -113,16 +115,24 @@ void FindPairs(const WispPoints& points, const WispStep& step, const WispSetting
         !usable(1)) {
       continue;
     }
-    const Contact contact = Approach(points, step, old->guide, old->point);
-    const WispPair pair = MakePair(points, step, settings, scratch, contact, &*old);
+    crossed.push_back({{old->guide[0], old->guide[1]},
+                       {old->point[0], old->point[1]},
+                       {old->point[0], old->point[1]}});
+    old_of.push_back(&*old);
+  }
+  FindApproaches(points, step, scratch, crossed);
+  for (size_t k = 0; k < crossed.size(); ++k) {
+    const Contact& contact = crossed[k];
+    const WispPair& old = *old_of[k];
+    const WispPair pair = MakePair(points, step, settings, scratch, contact, &old);
     const float reach = SumOfRadii(points, pair.guide);
     if (contact.start.dot(pair.normal) >= 0 || contact.start.norm() > kLostCrossed * reach) {
       continue;
     }
     piece.pairs.push_back(pair);
-    Continue(*old, true, steps, piece.pairs.back());
+    Continue(old, true, steps, piece.pairs.back());
   }
-  KeepRoom(piece.contacts);
+  KeepRoom(crossed), KeepRoom(old_of);
   KeepRoom(piece.pairs);
   if (piece.pairs.size() == found) return;
   std::sort(piece.pairs.begin(), piece.pairs.end(), [](const WispPair& a, const WispPair& b) {
@@ -227,7 +237,7 @@ void Spread(std::span<const WispPair> pairs, const WispScratch& scratch, exec::W
 void WispTracker::Begin(const WispPoints& points, double dt, WispScratch& scratch,
                         exec::WorkerPool& pool, const ImpulseSpans& impulses) {
   dt = dt >= 1e-5 ? std::min(dt, 0.25) : 1e-5;
-  const WispStep step{static_cast<float>(dt), static_cast<float>(rod::kTheta * dt)};
+  const WispStep step{static_cast<float>(dt), static_cast<float>(rod::kTheta * dt), kernels_};
   const double steps = last_dt_ > 0 ? std::min(1.0, dt / last_dt_) : 0;
   std::swap(pairs_, scratch.pairs);
   scratch.followed.assign(scratch.pairs.size(), 0);

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "contact/wisp_kernels.h"
 #include "contact/wisp_links.h"
 #include "exec/worker_pool.h"
 
@@ -81,20 +82,13 @@ struct WispScratch {
   struct Contact {
     int32_t guide[2];
     int32_t point[2];
-    float fraction[2];
-    float distance;            ///< The least within the step [m].
-    Eigen::Vector3f start;     ///< From the second to the first at the start of the step [m],
-    Eigen::Vector3f approach;  ///< and where they first touch, or come closest.
-  };
-  /// Two links that may meet.
-  struct Candidate {
-    int32_t guide;     ///< The second's.
-    int32_t link[2];   ///< Which they are,
-    int32_t point[2];  ///< the segments of theirs that come closest,
-    float distance;    ///< how near those do within the step [m],
-    bool followed;     ///< whether they touched in the last step, too,
-    Contact contact;   ///< and where these or the next ones along the guides touch.
-    WispNeighbours::Pair* pair;
+    int32_t origin[2];  ///< The segments from which a walk led to those.
+    float fraction[2] = {0, 0};
+    float distance = 0;  ///< The least within the step [m].
+    /// From the second to the first at the start of the step [m],
+    Eigen::Vector3f start = Eigen::Vector3f::Zero();
+    /// and where they first touch, or come closest.
+    Eigen::Vector3f approach = Eigen::Vector3f::Zero();
   };
   /// A link near the one that is searched for.
   struct Near {
@@ -111,9 +105,6 @@ struct WispScratch {
     int64_t compared = 0;    ///< Work::compared of this step.
     std::vector<Near> near;  ///< Of one link.
     std::vector<WispNeighbours::Pair> neighbours;
-    std::vector<Candidate> candidates;  ///< Of one guide.
-    std::vector<Candidate> nearest;     ///< Those of them that are kept.
-    std::vector<Contact> contacts;
     std::vector<WispPair> pairs;
   };
   /// A pair at one of its segments.
@@ -125,6 +116,7 @@ struct WispScratch {
   std::vector<float> guide_mass;  ///< Of the points beyond the root [kg].
   std::vector<Eigen::Vector3f> last_place;  ///< WispNeighbours::place, of the last step,
   std::vector<Eigen::Vector3f> sweep;       ///< and what points will move in the frame [m].
+  std::vector<Eigen::Vector3f> start;       ///< Points at the start of the step [m].
   std::vector<WispLink> links;
   std::vector<SegmentBox> boxes;  ///< Of links.
   std::vector<uint8_t> moved;     ///< Whether a link's neighbours are searched anew.
@@ -155,7 +147,9 @@ struct WispScratch {
 /// A value: a copy goes on as the original does. One thread at a time.
 class WispTracker {
  public:
-  explicit WispTracker(const WispSettings& settings = {}) : settings_(settings) {}
+  explicit WispTracker(const WispSettings& settings = {},
+                       const WispKernels& kernels = WispKernelsFor(simd::Best()))
+      : settings_(settings), kernels_(&kernels) {}
 
   /// Finds the pairs of a step of `dt` [s] and with what impulses its first pass starts.
   /// Guides keep their numbers from step to step.
@@ -184,6 +178,7 @@ class WispTracker {
 
  private:
   WispSettings settings_;
+  const WispKernels* kernels_;
   WispNeighbours neighbours_;
   std::vector<WispPair> pairs_;
   std::vector<Heaviness> heaviness_;  // By guide.

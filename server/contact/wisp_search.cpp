@@ -1,17 +1,20 @@
 #include "contact/wisp_search.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <tuple>
+#include <utility>
 
-#include "contact/segment_distance.h"
+#include "simd/rows.h"
 
 namespace mane::contact {
 namespace {
 
-using Candidate = WispScratch::Candidate;
 using Contact = WispScratch::Contact;
 using Eigen::Vector3f;
+using Pair = WispNeighbours::Pair;
+using simd::kLanes;
 
 // By the links' reach: how far they move until those that meet are compared again,
 constexpr float kPatience = 0.35f;
@@ -25,333 +28,335 @@ constexpr double kMostContacts = 0.8;
 constexpr double kMore = 8e3;  // Points besides (Budget).
 constexpr float kKept = 0.1f;
 
-Segment SegmentAt(const WispNeighbours& neighbours, int32_t point) {
-  const auto p = static_cast<size_t>(point);
-  return {neighbours.place[p], neighbours.place[p + 1]};
-}
+// What stays within the margin does not touch.
+constexpr float kStill = kMargin / (1 + kMargin);
 
-float Apart(const Segment& s, const Segment& t) {
-  const ClosestFractions at = ClosestPoints(s, t);
-  return (s.At(at.s) - t.At(at.t)).norm();
-}
-
-// How two links are to each other by the lines between their ends.
-struct Lines {
-  float apart;    // No points of them are nearer at the start of the step [m],
-  float nearing;  // nor will they come nearer in it by more than this [m].
+// Two links that may meet in this step.
+struct Look {
+  int32_t pair;   // Among WispNeighbours::pairs.
+  float reach;    // Of both [m].
+  float sweep;    // What a point of one may move relative to the other's in the step [m].
+  bool followed;  // Whether they touched in the last step.
 };
 
-Lines Between(const WispNeighbours& neighbours, const WispScratch& scratch, const WispLink& a,
-              const WispLink& b) {
-  const auto of = [](const std::vector<Vector3f>& list, const WispLink& link) {
-    const auto p = static_cast<size_t>(link.point);
-    return Segment{list[p], list[p + static_cast<size_t>(link.count)]};
-  };
-  const Segment s = of(neighbours.place, a), t = of(neighbours.place, b);
-  const Segment sweep = of(scratch.sweep, a), other_sweep = of(scratch.sweep, b);
-  const ClosestFractions at = ClosestPoints(s, t);
-  // No line is between the planes across it; so only what ends move along it brings them nearer.
-  const Vector3f d = s.At(at.s) - t.At(at.t);
-  const float distance = d.norm();
-  const Vector3f n = d / std::max(distance, 1e-9f);
-  const float nearing = std::max(other_sweep.a.dot(n), other_sweep.b.dot(n)) -
-                        std::min(sweep.a.dot(n), sweep.b.dot(n));
-  return {distance - a.bulge - b.bulge, std::max(0.0f, nearing) + a.ripple + b.ripple};
-}
+// Two links that come near each other.
+struct Candidate {
+  int32_t pair;     // Among WispNeighbours::pairs.
+  int32_t guide;    // The second's.
+  int32_t link[2];  // Which they are,
+  float distance;   // and how near segments of theirs come within the step [m].
+  bool followed;    // Whether they touched in the last step, too,
+  bool resumed;     // and are looked at where they did.
+};
 
-// The middles of a link's segments, in lists of what they are taken of; as rows that a compiler
-// turns into vectors, filled up with the last one.
-struct Middles {
-  float x[kLongestLink], y[kLongestLink], z[kLongestLink];
+// Where a candidate comes in the order of guides and links.
+struct Ordered {
+  uint64_t key;
+  int32_t candidate;
+};
 
-  Middles(const std::vector<Vector3f>& of, const WispLink& link) {
-    const auto p = static_cast<size_t>(link.point), last = static_cast<size_t>(link.count) - 1;
-    for (size_t k = 0; k < kLongestLink; ++k) {
-      const size_t at = p + std::min(k, last);
-      const Vector3f middle = 0.5f * (of[at] + of[at + 1]);
-      x[k] = middle.x(), y[k] = middle.y(), z[k] = middle.z();
-    }
+// Memory of one thread; grows to what it has seen and is reused.
+struct Piece {
+  std::vector<Look> looks;
+  std::vector<int32_t> lost, waking;  // Pairs that have to be looked at once more.
+  std::vector<Candidate> candidates;
+  std::vector<Contact> at;  // Where each of them touches.
+  WalkScratch walk;
+  std::vector<Ordered> order;     // All of them,
+  std::vector<int32_t> kept;      // and those of a guide that are kept.
+  std::vector<Contact> contacts;  // Of those.
+};
+
+// What the stages of the search share.
+struct Search {
+  const WispPoints& points;
+  const WispStep& step;
+  const WispScratch& scratch;
+  WispNeighbours& neighbours;
+  Piece& piece;
+
+  [[nodiscard]] Pair& PairAt(int32_t k) const { return neighbours.pairs[static_cast<size_t>(k)]; }
+  [[nodiscard]] const WispLink& LinkAt(int32_t l) const {
+    return scratch.links[static_cast<size_t>(l)];
+  }
+  [[nodiscard]] float Reach(const Pair& pair) const {
+    return LinkAt(pair.first).reach + LinkAt(pair.second).reach;
   }
 };
 
-// Squared distances of the segments' middles of two links.
-struct Distances {
-  float squared[kLongestLink][kLongestLink];
+LinkPoints PointsOf(const Search& search, const WispLink& link) {
+  const auto p = static_cast<size_t>(link.point);
+  return {search.neighbours.place[p].data(), search.scratch.sweep[p].data(), link.count, link.half};
+}
 
-  // Takes the segments that are nearest; their squared distance.
-  float Least(const WispLink& a, const WispLink& b, int nearest[2]) const {
-    float least = 1e30f;
-    nearest[0] = nearest[1] = 0;
-    for (int i = 0; i < a.count; ++i) {
-      for (int j = 0; j < b.count; ++j) {
-        if (squared[i][j] >= least) continue;
-        least = squared[i][j];
-        nearest[0] = i;
-        nearest[1] = j;
+// Lists two links whose segments at these points come near.
+void Add(const Search& search, const Look& look, const int32_t point[2], float distance,
+         bool resumed) {
+  const Pair& pair = search.PairAt(look.pair);
+  const int32_t guide[2] = {search.LinkAt(pair.first).guide, search.LinkAt(pair.second).guide};
+  search.piece.candidates.push_back(
+      {look.pair, guide[1], {pair.first, pair.second}, distance, look.followed, resumed});
+  search.piece.at.push_back({{guide[0], guide[1]}, {point[0], point[1]}, {point[0], point[1]}});
+}
+
+// What two links may do in the step.
+Look LookAt(const Search& search, int32_t k) {
+  const Pair& pair = search.PairAt(k);
+  const WispLink &a = search.LinkAt(pair.first), &b = search.LinkAt(pair.second);
+  return {k, a.reach + b.reach, (a.sweep - b.sweep).norm() + a.spread + b.spread, pair.known()};
+}
+
+// Brings the slack of two links up to the step, and lists them where they may touch in it: to be
+// looked at, or as a candidate where they touch since the last step and hardly move.
+void Visit(const Search& search, int32_t k) {
+  Pair& pair = search.PairAt(k);
+  const WispLink &a = search.LinkAt(pair.first), &b = search.LinkAt(pair.second);
+  pair.slack -= (a.moved - b.moved).norm() + a.wobble + b.wobble;
+  const Look look = LookAt(search, k);
+  const float enough = std::max(-kLate * look.reach, look.sweep - kStill * look.reach);
+  if (pair.slack > enough && !look.followed) return;
+  if (!(a.reach > 0) || !(b.reach > 0)) return;
+  if (look.followed && pair.slack > 0 && look.sweep < kFollowed * look.reach) {
+    const int32_t point[2] = {a.point + pair.segment[0], b.point + pair.segment[1]};
+    Add(search, look, point, kUnknown, true);
+  } else {
+    search.piece.looks.push_back(look);
+  }
+}
+
+// Whether two links may touch within the step, where the lines between their ends are `apart` and
+// come nearer by `nearing`; if so, adds the segments that come closest.
+bool Meet(const Search& search, const Look& look, float apart, float nearing) {
+  Pair& pair = search.PairAt(look.pair);
+  const WispLink &a = search.LinkAt(pair.first), &b = search.LinkAt(pair.second);
+  const float sweep = std::max(0.0f, nearing + a.ripple + b.ripple - kStill * look.reach);
+  pair.segment[0] = WispNeighbours::kNone;
+  pair.slack = apart - a.bulge - b.bulge - look.reach;
+  if (pair.slack > sweep) return false;
+  const LinkPoints mine = PointsOf(search, a), other = PointsOf(search, b);
+  const bool fast = look.sweep >= kFast * look.reach;
+  const WispKernels& kernels = *search.step.kernels;
+  const NearestSegments nearest =
+      fast ? kernels.closest_within(mine, other) : kernels.closest(mine, other);
+  if (!fast) pair.slack = nearest.distance - look.reach;
+  if (fast ? nearest.distance > look.reach + a.half + b.half : pair.slack > sweep) return false;
+  // Of those that sweep far, many come near in turn: what they come to is told by their middles.
+  const int32_t point[2] = {a.point + nearest.segment[0], b.point + nearest.segment[1]};
+  Add(search, look, point, fast ? nearest.distance : kUnknown, false);
+  return true;
+}
+
+// Looks at those that are listed.
+void LookAtAll(const Search& search) {
+  std::array<simd::Row<float>, kSegmentPairRows> lines{};
+  std::array<simd::Row<float>, kLineRows> between;
+  const std::span<const Look> looks = search.piece.looks;
+  for (size_t first = 0; first < looks.size(); first += kLanes) {
+    const auto some = looks.subspan(first, std::min<size_t>(kLanes, looks.size() - first));
+    for (size_t lane = 0; lane < some.size(); ++lane) {
+      const Pair& pair = search.PairAt(some[lane].pair);
+      size_t row = 0;
+      for (const int32_t l : {pair.first, pair.second}) {
+        const WispLink& link = search.LinkAt(l);
+        for (const int32_t p : {link.point, link.point + link.count}) {
+          const auto at = static_cast<size_t>(p);
+          for (int k = 0; k < 3; ++k, ++row) {
+            lines[kEnds + row].lane[lane] = search.neighbours.place[at][k];
+            lines[kMotion + row].lane[lane] = search.scratch.sweep[at][k];
+          }
+        }
       }
     }
-    return least;
-  }
-};
-
-// How far apart two links are at the start of the step, and where.
-float Closest(const WispNeighbours& neighbours, const WispLink& a, const WispLink& b,
-              Candidate& candidate) {
-  const Middles mine(neighbours.place, a), other(neighbours.place, b);
-  Distances all;
-  for (int i = 0; i < a.count; ++i) {
-    for (int j = 0; j < kLongestLink; ++j) {
-      const float x = mine.x[i] - other.x[j], y = mine.y[i] - other.y[j],
-                  z = mine.z[i] - other.z[j];
-      all.squared[i][j] = x * x + y * y + z * z;
+    search.step.kernels->lines(lines[0].lane, between[0].lane);
+    for (size_t lane = 0; lane < some.size(); ++lane) {
+      const Look& look = some[lane];
+      if (!Meet(search, look, between[kLinesApart].lane[lane], between[kLinesNearing].lane[lane]) &&
+          look.followed) {
+        search.piece.waking.push_back(look.pair);
+      }
     }
   }
-  int nearest[2];
-  all.Least(a, b, nearest);
-  const auto apart = [&](int i, int j) {
-    return Apart(SegmentAt(neighbours, a.point + i), SegmentAt(neighbours, b.point + j));
-  };
-  const auto take = [&](int i, int j) {
-    candidate.point[0] = a.point + i;
-    candidate.point[1] = b.point + j;
-  };
-  float least = apart(nearest[0], nearest[1]);
-  take(nearest[0], nearest[1]);
-  for (int i = 0; i < a.count; ++i) {
-    for (int j = 0; j < b.count; ++j) {
-      const float within = least + a.half + b.half;
-      if ((i == nearest[0] && j == nearest[1]) || all.squared[i][j] > within * within) continue;
-      const float distance = apart(i, j);
-      if (distance >= least) continue;
-      least = distance;
-      take(i, j);
-    }
+  search.piece.looks.clear();
+}
+
+// Finds where the candidates from `first` on touch, and drops those that are not within their
+// margin.
+void Touch(const Search& search, size_t first) {
+  Piece& piece = search.piece;
+  FindApproaches(search.points, search.step, search.scratch, std::span(piece.at).subspan(first));
+  for (size_t i = first; i < piece.candidates.size(); ++i) {
+    Candidate& candidate = piece.candidates[i];
+    if (candidate.distance == kUnknown) candidate.distance = piece.at[i].distance;
   }
-  return least;
-}
-
-// Those whose middles come closest within the step; their distance.
-float ClosestWithin(const WispNeighbours& neighbours, const WispScratch& scratch, const WispLink& a,
-                    const WispLink& b, Candidate& candidate) {
-  const Middles mine(neighbours.place, a), other(neighbours.place, b);
-  const Middles my_sweep(scratch.sweep, a), other_sweep(scratch.sweep, b);
-  Distances all;
-  for (int i = 0; i < a.count; ++i) {
-    for (int j = 0; j < kLongestLink; ++j) {
-      // LeastDistance2 within the whole step.
-      float x = mine.x[i] - other.x[j], y = mine.y[i] - other.y[j], z = mine.z[i] - other.z[j];
-      const float u = my_sweep.x[i] - other_sweep.x[j], v = my_sweep.y[i] - other_sweep.y[j],
-                  w = my_sweep.z[i] - other_sweep.z[j];
-      const float nearing = -(x * u + y * v + z * w);
-      const float part = nearing / std::max(u * u + v * v + w * w, 1e-20f);
-      const float time = std::min(std::max(part, 0.0f), 1.0f);
-      x += time * u, y += time * v, z += time * w;
-      all.squared[i][j] = x * x + y * y + z * z;
-    }
-  }
-  int nearest[2];
-  const float least = all.Least(a, b, nearest);
-  candidate.point[0] = a.point + nearest[0];
-  candidate.point[1] = b.point + nearest[1];
-  return std::sqrt(least);
-}
-
-// Whether two links may touch within the step; where.
-bool MayMeet(const WispNeighbours& neighbours, const WispScratch& scratch,
-             WispNeighbours::Pair& pair, Candidate& candidate) {
-  const WispLink& a = scratch.links[static_cast<size_t>(pair.first)];
-  const WispLink& b = scratch.links[static_cast<size_t>(pair.second)];
-  pair.slack -= (a.moved - b.moved).norm() + a.wobble + b.wobble;
-  const float reach = a.reach + b.reach;
-  const float all = (a.sweep - b.sweep).norm() + a.spread + b.spread;
-  // What stays within the margin does not touch.
-  const float still = kMargin / (1 + kMargin) * reach;
-  const float enough = std::max(-kLate * reach, all - still);
-  const bool known = pair.known();
-  if (pair.slack > enough && !known) return false;
-  if (!(a.reach > 0) || !(b.reach > 0)) return false;
-  candidate.distance = kUnknown;
-  candidate.guide = b.guide;
-  candidate.followed = known;
-  candidate.pair = &pair;
-  candidate.link[0] = pair.first;
-  candidate.link[1] = pair.second;
-  candidate.point[0] = a.point;
-  candidate.point[1] = b.point;
-  if (known && pair.slack > 0 && all < kFollowed * reach) {
-    for (int k = 0; k < 2; ++k) candidate.point[k] += pair.segment[k];
-    return true;
-  }
-  pair.segment[0] = WispNeighbours::kNone;
-  const Lines lines = Between(neighbours, scratch, a, b);
-  const float sweep = std::max(0.0f, lines.nearing - still);
-  pair.slack = lines.apart - reach;
-  if (pair.slack > sweep) return false;
-  if (all >= kFast * reach) {
-    candidate.distance = ClosestWithin(neighbours, scratch, a, b, candidate);
-    return candidate.distance <= reach + a.half + b.half;
-  }
-  pair.slack = Closest(neighbours, a, b, candidate) - reach;
-  return pair.slack <= sweep;
-}
-
-// What is not the nearest need not be looked at until it has moved by some part of its reach.
-void Wait(const WispScratch& scratch, const Candidate& candidate) {
-  WispNeighbours::Pair& pair = *candidate.pair;
-  const float reach = scratch.links[static_cast<size_t>(pair.first)].reach +
-                      scratch.links[static_cast<size_t>(pair.second)].reach;
-  pair.segment[0] = WispNeighbours::kNone;
-  pair.slack = std::max(pair.slack, kPatience * reach);
-}
-
-// What is goes on along the guides until then.
-void Follow(const WispScratch& scratch, const Candidate& candidate) {
-  WispNeighbours::Pair& pair = *candidate.pair;
-  if (!pair.known()) Wait(scratch, candidate);
-  for (int k = 0; k < 2; ++k) {
-    pair.segment[k] = static_cast<int8_t>(
-        candidate.point[k] - scratch.links[static_cast<size_t>(candidate.link[k])].point);
-  }
-}
-
-// Whether two links' wisps are within their margin in the step; where.
-bool Meets(const WispPoints& points, const WispStep& step, const WispScratch& scratch,
-           const WispNeighbours& neighbours, WispNeighbours::Pair& pair, Candidate& candidate) {
-  if (!MayMeet(neighbours, scratch, pair, candidate)) return false;
-  const int32_t guide[2] = {scratch.links[static_cast<size_t>(pair.first)].guide, candidate.guide};
-  candidate.contact = Approach(points, step, guide, candidate.point);
-  // Of those that sweep far, many come near in turn: what they come to is told by their middles.
-  if (candidate.distance == kUnknown) candidate.distance = candidate.contact.distance;
-  Walk(points, step, scratch, candidate.contact);
-  if (candidate.contact.distance <= (1 + kMargin) * SumOfRadii(points, guide)) return true;
-  pair.segment[0] = WispNeighbours::kNone;
-  pair.slack = 0;
-  return false;
-}
-
-// Adds a candidate of the first's link, of which the last ones from `of_link` on are, unless
-// another with the same guide is nearer.
-void Add(const WispScratch& scratch, const Candidate& candidate, size_t of_link,
-         std::vector<Candidate>& candidates) {
-  for (size_t k = of_link; k < candidates.size(); ++k) {
-    if (candidates[k].guide != candidate.guide || candidates[k].link[0] != candidate.link[0]) {
+  Walk(search.points, search.step, search.scratch, std::span(piece.at).subspan(first), piece.walk);
+  size_t kept = first;
+  for (size_t i = first; i < piece.candidates.size(); ++i) {
+    const Candidate& candidate = piece.candidates[i];
+    const Contact& contact = piece.at[i];
+    if (contact.distance <= (1 + kMargin) * SumOfRadii(search.points, contact.guide)) {
+      piece.candidates[kept] = candidate;
+      piece.at[kept++] = contact;
       continue;
     }
-    if (candidate.distance >= candidates[k].distance) {
-      return Wait(scratch, candidate);
+    Pair& pair = search.PairAt(candidate.pair);
+    pair.segment[0] = WispNeighbours::kNone;
+    pair.slack = 0;
+    if (candidate.resumed) {
+      piece.lost.push_back(candidate.pair);
+    } else if (candidate.followed) {
+      piece.waking.push_back(candidate.pair);
     }
-    Wait(scratch, candidates[k]);
-    candidates[k] = candidate;
-    return;
   }
-  candidates.push_back(candidate);
+  piece.candidates.resize(kept);
+  piece.at.resize(kept);
 }
 
 // Where a pair is none any more, those of the same guides that waited for it are looked at again.
-void WakeOthers(const WispNeighbours::Pair& left, int32_t g, const WispScratch& scratch,
-                WispNeighbours& neighbours) {
-  const auto guide = [&](const WispNeighbours::Pair& pair) {
-    return scratch.links[static_cast<size_t>(pair.second)].guide;
+void WakeOthers(const Search& search, int32_t left) {
+  const auto is = [&](int32_t k) {
+    return std::ranges::any_of(search.piece.candidates,
+                               [&](const Candidate& candidate) { return candidate.pair == k; });
   };
-  const auto end = static_cast<size_t>(neighbours.first_of[static_cast<size_t>(g) + 1]);
-  for (auto k = static_cast<size_t>(neighbours.first_of[static_cast<size_t>(g)]); k < end; ++k) {
-    WispNeighbours::Pair& pair = neighbours.pairs[k];
-    if (&pair != &left && guide(pair) == guide(left)) pair.slack = kUnknown;
+  const auto guide = [&](int32_t k) { return search.LinkAt(search.PairAt(k).second).guide; };
+  const auto g = static_cast<size_t>(search.LinkAt(search.PairAt(left).first).guide);
+  for (int32_t k = search.neighbours.first_of[g]; k < search.neighbours.first_of[g + 1]; ++k) {
+    Pair& pair = search.PairAt(k);
+    const Look look = LookAt(search, k);
+    if (k == left || guide(k) != guide(left) || pair.slack == kUnknown || is(k)) continue;
+    if (!(search.LinkAt(pair.first).reach > 0) || !(search.LinkAt(pair.second).reach > 0)) continue;
+    pair.slack = kUnknown;
+    search.piece.looks.push_back(look);
   }
 }
 
-// Candidates of a guide with later ones: each the nearest of its first link to the other guide.
-void FindCandidates(const WispPoints& points, const WispStep& step, const WispScratch& scratch,
-                    int32_t g, WispNeighbours& neighbours, std::vector<Candidate>& candidates) {
-  candidates.clear();
-  size_t of_link = 0;
-  int32_t link = -1;
-  bool woken = false;
-  const auto end = static_cast<size_t>(neighbours.first_of[static_cast<size_t>(g) + 1]);
-  for (auto k = static_cast<size_t>(neighbours.first_of[static_cast<size_t>(g)]); k < end; ++k) {
-    WispNeighbours::Pair& pair = neighbours.pairs[k];
-    if (pair.first != link) {
-      link = pair.first;
-      of_link = candidates.size();
-    }
-    Candidate candidate;
-    const bool known = pair.known();
-    bool meets = Meets(points, step, scratch, neighbours, pair, candidate);
-    if (known && !meets) {
-      // Others of its segments may be nearer than what was followed.
-      pair.slack = kUnknown;
-      meets = Meets(points, step, scratch, neighbours, pair, candidate);
-      if (!meets) WakeOthers(pair, g, scratch, neighbours);
-      woken = woken || !meets;
-    }
-    if (!meets) continue;
-    Add(scratch, candidate, of_link, candidates);
-  }
-  // Those before the one that woke them.
-  for (auto k = static_cast<size_t>(neighbours.first_of[static_cast<size_t>(g)]); woken && k < end;
+// Candidates of guides [begin, end) with later ones.
+void FindCandidates(const Search& search, int32_t begin, int32_t end) {
+  Piece& piece = search.piece;
+  piece.candidates.clear(), piece.at.clear();
+  piece.looks.clear(), piece.lost.clear(), piece.waking.clear();
+  const auto& first_of = search.neighbours.first_of;
+  for (int32_t k = first_of[static_cast<size_t>(begin)]; k < first_of[static_cast<size_t>(end)];
        ++k) {
-    WispNeighbours::Pair& pair = neighbours.pairs[k];
-    Candidate candidate;
-    if (pair.slack != kUnknown || !Meets(points, step, scratch, neighbours, pair, candidate)) {
-      continue;
-    }
-    Add(scratch, candidate, 0, candidates);
+    Visit(search, k);
   }
-  KeepRoom(candidates);
-  std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
-    return std::tie(a.guide, a.link[0], a.link[1]) < std::tie(b.guide, b.link[0], b.link[1]);
-  });
+  KeepRoom(piece.looks);
+  LookAtAll(search);
+  Touch(search, 0);
+  // Others of their segments may be nearer than what was followed.
+  size_t known = piece.candidates.size();
+  for (const int32_t k : piece.lost) {
+    piece.looks.push_back(LookAt(search, k));
+    piece.looks.back().followed = true;
+  }
+  LookAtAll(search);
+  Touch(search, known);
+  known = piece.candidates.size();
+  for (size_t i = 0; i < piece.waking.size(); ++i) WakeOthers(search, piece.waking[i]);
+  KeepRoom(piece.looks), KeepRoom(piece.waking);
+  piece.waking.clear();
+  LookAtAll(search);
+  Touch(search, known);
+  KeepRoom(piece.candidates), KeepRoom(piece.at), KeepRoom(piece.lost);
 }
 
-// Calls visit(candidate) for those of them that are the nearest of their second link, too.
-template <typename Visit>
-void ForMutual(const WispScratch& scratch, const std::vector<Candidate>& candidates,
-               const Visit& visit) {
-  for (auto begin = candidates.begin(); begin != candidates.end();) {
-    auto end = begin;
-    while (end != candidates.end() && end->guide == begin->guide) ++end;
-    for (auto a = begin; a != end; ++a) {
-      bool nearest = true;
-      for (auto b = begin; b != end && nearest; ++b) {
-        const float mine = a->distance, other = b->distance;
-        nearest = b->link[1] != a->link[1] || b == a || mine < other || (mine == other && a < b);
-      }
-      if (nearest) {
-        visit(*a);
-      } else {
-        Wait(scratch, *a);
-      }
+// What is not the nearest need not be looked at until it has moved by some part of its reach.
+void Wait(const Search& search, int32_t candidate) {
+  Pair& pair = search.PairAt(search.piece.candidates[static_cast<size_t>(candidate)].pair);
+  pair.segment[0] = WispNeighbours::kNone;
+  pair.slack = std::max(pair.slack, kPatience * search.Reach(pair));
+}
+
+// What is, is followed until then.
+void Follow(const Search& search, int32_t i) {
+  const Candidate& candidate = search.piece.candidates[static_cast<size_t>(i)];
+  const Contact& contact = search.piece.at[static_cast<size_t>(i)];
+  Pair& pair = search.PairAt(candidate.pair);
+  if (!pair.known()) Wait(search, i);
+  for (int k = 0; k < 2; ++k) {
+    const int32_t first = search.LinkAt(candidate.link[k]).point;
+    pair.segment[k] = static_cast<int8_t>(contact.origin[k] - first);
+  }
+}
+
+// Orders the candidates by guides, then links.
+void Order(const Search& search, int32_t begin) {
+  Piece& piece = search.piece;
+  piece.order.clear();
+  for (size_t i = 0; i < piece.candidates.size(); ++i) {
+    const Candidate& candidate = piece.candidates[i];
+    const int32_t first = piece.at[i].guide[0], guide[2] = {first, candidate.guide};
+    uint64_t key = static_cast<uint64_t>(first - begin) << 24 | static_cast<uint32_t>(guide[1]);
+    for (int k = 0; k < 2; ++k) {
+      const int32_t first_link = search.neighbours.first_link[static_cast<size_t>(guide[k])];
+      key = key << 16 | static_cast<uint32_t>(candidate.link[k] - first_link);
     }
-    begin = end;
+    piece.order.push_back({key, static_cast<int32_t>(i)});
+  }
+  KeepRoom(piece.order);
+  std::ranges::sort(piece.order, {}, &Ordered::key);
+}
+
+// Of a stretch of candidates of the same two guides, keeps those that are each the nearest of their
+// first link, and of those the ones that are the nearest of their second link, too.
+void KeepMutual(const Search& search, std::span<Ordered> order) {
+  Piece& piece = search.piece;
+  const auto candidate = [&](const auto& at) -> const Candidate& {
+    return piece.candidates[static_cast<size_t>(at.candidate)];
+  };
+  size_t count = 0;
+  for (const auto& at : order) {
+    if (count == 0 || candidate(order[count - 1]).link[0] != candidate(at).link[0]) {
+      order[count++] = at;
+    } else if (candidate(at).distance < candidate(order[count - 1]).distance) {
+      Wait(search, std::exchange(order[count - 1], at).candidate);
+    } else {
+      Wait(search, at.candidate);
+    }
+  }
+  for (size_t a = 0; a < count; ++a) {
+    bool nearest = true;
+    for (size_t b = 0; b < count && nearest; ++b) {
+      const Candidate &mine = candidate(order[a]), &other = candidate(order[b]);
+      nearest = a == b || mine.link[1] != other.link[1] || mine.distance < other.distance ||
+                (mine.distance == other.distance && a < b);
+    }
+    if (nearest) {
+      piece.kept.push_back(order[a].candidate);
+    } else {
+      Wait(search, order[a].candidate);
+    }
   }
 }
 
 // How far off a contact is for its link, by the reach.
-float Rank(const WispPoints& points, const Candidate& candidate) {
-  const Contact& contact = candidate.contact;
+float Rank(const Search& search, int32_t candidate) {
+  const Contact& contact = search.piece.at[static_cast<size_t>(candidate)];
   // What passes through all counts by where it begins.
   const float apart = contact.distance + contact.start.norm();
-  return apart / SumOfRadii(points, contact.guide) - (candidate.followed ? kKept : 0);
+  const bool followed = search.piece.candidates[static_cast<size_t>(candidate)].followed;
+  return apart / SumOfRadii(search.points, contact.guide) - (followed ? kKept : 0);
 }
 
-// Of each first link's candidates, keeps the `most` nearest.
-void KeepNearest(const WispPoints& points, const WispScratch& scratch, size_t most,
-                 std::vector<Candidate>& candidates) {
-  std::sort(candidates.begin(), candidates.end(), [&](const Candidate& a, const Candidate& b) {
-    if (a.link[0] != b.link[0]) return a.link[0] < b.link[0];
-    const float mine = Rank(points, a), other = Rank(points, b);
-    return mine != other ? mine < other : a.link[1] < b.link[1];
+// Of each first link's candidates among a guide's that are kept, keeps the `most` nearest.
+void KeepNearest(const Search& search, size_t most) {
+  Piece& piece = search.piece;
+  const auto link = [&](int32_t i) { return piece.candidates[static_cast<size_t>(i)].link[0]; };
+  const auto contact = [&](int32_t i) -> const Contact& {
+    return piece.at[static_cast<size_t>(i)];
+  };
+  std::ranges::sort(piece.kept, {}, [&](int32_t i) {
+    return std::tuple(link(i), Rank(search, i), contact(i).guide[1], contact(i).point[1]);
   });
   size_t kept = 0, of_link = 0;
-  for (size_t k = 0; k < candidates.size(); ++k) {
-    of_link = k > 0 && candidates[k].link[0] == candidates[k - 1].link[0] ? of_link + 1 : 0;
+  for (size_t k = 0; k < piece.kept.size(); ++k) {
+    of_link = kept > 0 && link(piece.kept[kept - 1]) == link(piece.kept[k]) ? of_link + 1 : 0;
     if (of_link < most) {
-      candidates[kept++] = candidates[k];
+      piece.kept[kept++] = piece.kept[k];
     } else {
-      Wait(scratch, candidates[k]);
+      Wait(search, piece.kept[k]);
     }
   }
-  candidates.resize(kept);
+  piece.kept.resize(kept);
 }
 
 // Sorts contacts of one guide, from `begin` on; some have walked to the same place.
@@ -359,36 +364,46 @@ void DropSame(size_t begin, std::vector<Contact>& contacts) {
   const auto key = [](const Contact& contact) {
     return std::tie(contact.guide[1], contact.point[0], contact.point[1]);
   };
-  const auto first = contacts.begin() + static_cast<ptrdiff_t>(begin);
-  std::sort(first, contacts.end(),
-            [&](const Contact& a, const Contact& b) { return key(a) < key(b); });
-  contacts.erase(std::unique(first, contacts.end(),
-                             [&](const Contact& a, const Contact& b) { return key(a) == key(b); }),
-                 contacts.end());
+  const std::span<Contact> all = std::span(contacts).subspan(begin);
+  std::ranges::sort(all, {}, key);
+  const auto same = std::ranges::unique(all, {}, key);
+  contacts.resize(contacts.size() - same.size());
 }
 
 }  // namespace
 
-void FindContacts(const WispPoints& points, const WispStep& step, const WispScratch& scratch,
-                  int begin, int end, WispNeighbours& neighbours, WispScratch::Piece& piece) {
-  auto& contacts = piece.contacts;
-  contacts.clear();
+std::span<const Contact> FindContacts(const WispPoints& points, const WispStep& step,
+                                      const WispScratch& scratch, int begin, int end,
+                                      WispNeighbours& neighbours) {
+  thread_local Piece own;
+  Piece& piece = own;
+  const Search search{points, step, scratch, neighbours, piece};
+  FindCandidates(search, begin, end);
+  Order(search, begin);
+  piece.contacts.clear();
   const auto links = static_cast<double>(neighbours.around.size());
   const auto most = static_cast<size_t>(Budget(kMostContacts, kMore, points) / links) + 1;
-  for (int32_t g = begin; g < end; ++g) {
-    FindCandidates(points, step, scratch, g, neighbours, piece.candidates);
-    const size_t of_guide = contacts.size();
-    piece.nearest.clear();
-    ForMutual(scratch, piece.candidates,
-              [&](const Candidate& candidate) { piece.nearest.push_back(candidate); });
-    KeepRoom(piece.nearest);
-    if (piece.nearest.size() > most) KeepNearest(points, scratch, most, piece.nearest);
-    for (const Candidate& candidate : piece.nearest) {
-      Follow(scratch, candidate);
-      contacts.push_back(candidate.contact);
+  const std::span<Ordered> order = piece.order;
+  for (size_t at = 0; at < order.size();) {
+    const uint64_t guide = order[at].key >> 56;
+    piece.kept.clear();
+    while (at < order.size() && order[at].key >> 56 == guide) {
+      const uint64_t guides = order[at].key >> 32;
+      const size_t first = at;
+      while (at < order.size() && order[at].key >> 32 == guides) ++at;
+      KeepMutual(search, order.subspan(first, at - first));
     }
-    DropSame(of_guide, contacts);
+    KeepRoom(piece.kept);
+    if (piece.kept.size() > most) KeepNearest(search, most);
+    const size_t of_guide = piece.contacts.size();
+    for (const int32_t i : piece.kept) {
+      Follow(search, i);
+      piece.contacts.push_back(piece.at[static_cast<size_t>(i)]);
+    }
+    DropSame(of_guide, piece.contacts);
   }
+  KeepRoom(piece.contacts);
+  return piece.contacts;
 }
 
 }  // namespace mane::contact
