@@ -21,69 +21,78 @@ struct DensitySettings {
   double damping_rate = 1;    ///< At which velocities approach the mean around them [1/s], >= 0.
 };
 
+/// The points of a head's hair; lists have one length.
+struct DensityPoints {
+  PointSpans position;          ///< In the head's frame [m].
+  VelocitySpans velocity;       ///< In its axes [m/s]; what is not within +-1000 m/s counts as 0.
+  std::span<const float> mass;  ///< That a point stands for [kg].
+  /// Densities() of the rest shape [kg/m^3]; what is not within 0 and 1e30 counts as 0.
+  std::span<const float> rest_density;
+};
+
 /// The mass of a head's hair on a uniform grid: by it hair that is denser than at rest is pressed
 /// apart, and what moves through other hair is slowed.
 ///
 /// Linear in points and cells, at most 64 cells along an axis: larger ones where the hair is
 /// longer. Results are the same bits for any number of workers; nothing is allocated once warm.
-/// Points that are not finite take no part. Scratch of one thread at a time: it keeps nothing from
-/// step to step.
+/// Points more than 10 km away, or of a mass that is not within 1e-12 and 1e6 kg, take no part, nor
+/// does what is no number. Scratch of one thread at a time: it keeps nothing from call to call.
 class DensityGrid {
  public:
   explicit DensityGrid(const DensitySettings& settings = {}) : settings_(settings) {}
 
-  /// Spreads the points' masses over the cells' corners (H14). Lists are looked at until the next
-  /// Build.
+  /// Sets the largest density [kg/m^3] among the corners of each point's cell (H14).
   ///
   /// @param position  in the head's frame [m].
   /// @param mass  [kg]
-  void Build(const PointSpans& position, std::span<const float> mass, exec::WorkerPool& pool);
+  void Densities(const PointSpans& position, std::span<const float> mass, exec::WorkerPool& pool,
+                 std::span<float> densities);
 
-  /// Sets the largest density [kg/m^3] among the corners of each point's cell: what AddPressure
-  /// takes if called for the rest shape.
-  void Densities(exec::WorkerPool& pool, std::span<float> densities) const;
-
-  /// Adds what presses hair apart in a step of `dt` [s] (H15, H16); of a point at most what moves
-  /// it by a quarter of a cell.
-  ///
-  /// @param rest_densities  of the points [kg/m^3].
-  void AddPressure(std::span<const float> rest_densities, double dt, exec::WorkerPool& pool,
-                   const ImpulseSpans& impulses);
-
-  /// Adds what brings the points' velocities nearer to the mean around them (H17): momentum is
-  /// kept, kinetic energy falls.
-  ///
-  /// @param velocity  in the head's axes; faster than 1000 m/s counts as at rest.
-  void AddDamping(const VelocitySpans& velocity, double dt, exec::WorkerPool& pool,
-                  const ImpulseSpans& impulses);
+  /// Sets the points' impulses in a step of `dt` [s]: what presses hair apart (H15, H16), of a
+  /// point at most what moves it by a quarter of a cell; and what brings velocities nearer to the
+  /// mean around them (H17), by which momentum is kept and kinetic energy falls.
+  void Push(const DensityPoints& points, double dt, exec::WorkerPool& pool,
+            const ImpulseSpans& impulses);
 
  private:
-  // Where a point is: the first corner of its cell, and how far in it, in [0, 1].
-  struct Place {
-    int32_t node;  // -1: nowhere.
-    int32_t layer;
-    Eigen::Vector3f fraction;
+  // Worked on at once by every processor.
+  using Four [[gnu::vector_size(16)]] = float;
+
+  struct Point {
+    Four place;     // [m]; then how far it is in its cell, in [0, 1]. Last: its mass.
+    Four momentum;  // Last: its mass times its rest density.
+  };
+  // Where points that follow each other lie: their least and largest places.
+  struct Group {
+    Four low, high;
+  };
+  struct Corner {
+    Four values;  // Sums of Point::momentum; then mean velocity and, last, f' of (H15).
   };
 
-  [[nodiscard]] int nodes() const { return n_[0] * n_[1] * n_[2]; }
+  // Takes points over. motion(p) is velocity and rest density.
+  template <typename Motion>
+  void Read(const PointSpans& position, std::span<const float> mass, exec::WorkerPool& pool,
+            const Motion& motion);
   void FindPlaces(exec::WorkerPool& pool);
-  void SortByLayer();
-  // Sums weight * value(point), a vector of `width` numbers, at every corner.
-  template <int width, typename Value>
-  void Scatter(const Value& value, exec::WorkerPool& pool, std::vector<float>& sums) const;
-  // Calls visit(node, weight, gradient of the weight) for a point's corners.
+  // Sums what points give to the corners; then calls finish(masses, corners) for four at a time.
+  template <typename Finish>
+  void Scatter(exec::WorkerPool& pool, const Finish& finish);
+  void Gather(double dt, exec::WorkerPool& pool, const ImpulseSpans& impulses) const;
+  // Calls visit(begin, end) for parts of the points; they begin with a group.
   template <typename Visit>
-  void ForCorners(const Place& place, const Visit& visit) const;
+  void ForPoints(exec::WorkerPool& pool, const Visit& visit) const;
 
   DensitySettings settings_;
-  PointSpans position_;
-  std::span<const float> mass_;
-  float side_ = 1;                                 // Of a cell [m].
-  Eigen::Vector3f low_ = Eigen::Vector3f::Zero();  // First corner [m].
-  int n_[3] = {0, 0, 0};                           // Corners along each axis.
-  std::vector<Place> places_;                      // Of the points.
-  std::vector<int32_t> layer_start_, by_layer_;    // Points by layer of cells.
-  std::vector<float> node_mass_, node_rest_, node_momentum_;
+  float side_ = 1;            // Of a cell [m].
+  float low_[3] = {0, 0, 0};  // First corner [m].
+  int n_[3] = {0, 0, 0};      // Corners along each axis.
+  int layer_ = 0;             // From a corner to the next one along z, a multiple of four.
+  std::vector<Point> points_;
+  std::vector<Group> groups_;
+  std::vector<int32_t> cells_;  // First corners of the points' cells.
+  std::vector<Corner> corners_;
+  std::vector<float> masses_;  // At the corners [kg].
 };
 
 }  // namespace mane::contact

@@ -102,8 +102,7 @@ Wisps MakeWisps(const groom::Groom& groom, const Bodies& bodies, exec::WorkerPoo
     });
   }
   contact::DensityGrid grid;
-  grid.Build({wisps.x, wisps.y, wisps.z}, wisps.mass, pool);
-  grid.Densities(pool, wisps.density);
+  grid.Densities({wisps.x, wisps.y, wisps.z}, wisps.mass, pool, wisps.density);
   return wisps;
 }
 
@@ -159,12 +158,8 @@ void StepAmongWisps(const groom::Groom& groom, const WispStep& step,
                                         wisps.radius,
                                         wisps.curliness};
   contact->wisps.Begin(wisp_points, step.dt, memory.wisps, pool, memory.impulse.Impulses());
-  for (auto* list : {&memory.volume.x, &memory.volume.y, &memory.volume.z}) {
-    std::fill(list->begin(), list->end(), 0.0F);
-  }
-  memory.grid.Build(memory.position.Points(), wisps.mass, pool);
-  memory.grid.AddPressure(wisps.density, step.dt, pool, memory.volume.Impulses());
-  memory.grid.AddDamping(memory.last.Velocities(), step.dt, pool, memory.volume.Impulses());
+  memory.grid.Push({memory.position.Points(), memory.last.Velocities(), wisps.mass, wisps.density},
+                   step.dt, pool, memory.volume.Impulses());
 
   for (int pass = 0; pass < kPasses; ++pass) {
     for_blocks([&](int i) {
