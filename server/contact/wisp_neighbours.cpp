@@ -1,9 +1,11 @@
 #include "contact/wisp_neighbours.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
-#include "contact/segment_distance.h"
+#include "simd/rows.h"
 
 namespace mane::contact {
 namespace {
@@ -116,30 +118,53 @@ SegmentBox Box(const WispLink& link, const WispNeighbours& neighbours, size_t l)
   return {low - by, high + by, link.guide};
 }
 
-float Apart(const Segment& s, const Segment& t) {
-  const ClosestFractions at = ClosestPoints(s, t);
-  return (s.At(at.s) - t.At(at.t)).norm();
+// Whether points of two links whose ends' lines are `apart` may meet before either is searched for
+// again: as lines, or by their segments, as links may be much longer than they reach.
+bool MayMeet(const WispStep& step, const WispNeighbours& neighbours, size_t l, size_t other,
+             float apart) {
+  const Around &a = neighbours.around[l], &b = neighbours.around[other];
+  const float reach = a.reach + a.spare + b.reach + b.spare;
+  if (apart > reach) return false;
+  if (a.bulge + b.bulge < kStraight * reach) return true;
+  const auto points = [&](const Around& around, size_t of) {
+    const float* const x = Searched(neighbours, of)->data();
+    return LinkPoints{x, x, around.count, around.half};
+  };
+  return step.kernels->closest(points(a, l), points(b, other)).distance <= reach;
 }
 
-// Whether points of two links may meet before either is searched for again: first by the lines
-// between their ends, then by segments, as links may be much longer than they reach. Sets `apart`
-// to what they are apart at least.
-bool MayMeet(const WispNeighbours& neighbours, size_t l, size_t other, float* apart) {
-  const Around &a = neighbours.around[l], &b = neighbours.around[other];
-  const Eigen::Vector3f *const x = Searched(neighbours, l), *const y = Searched(neighbours, other);
-  const float reach = a.reach + a.spare + b.reach + b.spare;
-  *apart = Apart({x[0], x[a.count]}, {y[0], y[b.count]}) - a.bulge - b.bulge;
-  if (*apart > reach) return false;
-  if (a.bulge + b.bulge < kStraight * reach) return true;
-  const float near = 2 * (reach + a.half + b.half);  // Of sums of two ends.
-  for (int32_t i = 0; i < a.count; ++i) {
-    const Eigen::Vector3f mine = x[i] + x[i + 1];
-    for (int32_t j = 0; j < b.count; ++j) {
-      if ((mine - y[j] - y[j + 1]).squaredNorm() > near * near) continue;
-      if (Apart({x[i], x[i + 1]}, {y[j], y[j + 1]}) <= reach) return true;
+// Adds those of `boxes` that a link may meet to `near`.
+void AddNear(const WispStep& step, size_t a, const WispNeighbours& neighbours,
+             std::span<const int32_t> boxes, std::vector<WispScratch::Near>& near) {
+  std::array<simd::Row<float>, kSegmentPairRows> lines{};
+  std::array<simd::Row<float>, kLineRows> between;
+  const auto put = [&](const Eigen::Vector3f& x, size_t row, size_t first, size_t last) {
+    for (int k = 0; k < 3; ++k) {
+      std::fill(lines[row + k].lane + first, lines[row + k].lane + last, x[k]);
+    }
+  };
+  const auto ends = [&](size_t l) {
+    const Eigen::Vector3f* const x = Searched(neighbours, l);
+    return std::pair(x[0], x[neighbours.around[l].count]);
+  };
+  const auto [begin, end] = ends(a);
+  put(begin, kEnds, 0, simd::kLanes);
+  put(end, kEnds + 3, 0, simd::kLanes);
+  for (size_t first = 0; first < boxes.size(); first += simd::kLanes) {
+    const auto some = boxes.subspan(first, std::min<size_t>(simd::kLanes, boxes.size() - first));
+    for (size_t lane = 0; lane < some.size(); ++lane) {
+      const auto [other_begin, other_end] = ends(static_cast<size_t>(some[lane]));
+      put(other_begin, kEnds + 6, lane, lane + 1);
+      put(other_end, kEnds + 9, lane, lane + 1);
+    }
+    step.kernels->lines(lines[0].lane, between[0].lane);
+    for (size_t lane = 0; lane < some.size(); ++lane) {
+      const auto other = static_cast<size_t>(some[lane]);
+      const float apart = between[kLinesApart].lane[lane] - neighbours.around[a].bulge -
+                          neighbours.around[other].bulge;
+      if (MayMeet(step, neighbours, a, other, apart)) near.push_back({apart, some[lane]});
     }
   }
-  return false;
 }
 
 // Sets scratch.moved for the links to search for; whether there are any.
@@ -176,15 +201,15 @@ bool MarkMoved(const WispPoints& points, WispScratch& scratch, WispNeighbours& n
 }
 
 // Lists a moved link's neighbours, the nearest of them if they are many.
-void FindNear(size_t a, size_t most, const WispNeighbours& neighbours, WispScratch& scratch,
-              WispScratch::Piece& piece) {
-  auto& near = piece.near;
-  near.clear();
-  scratch.grid.ForOverlapping(static_cast<int>(a), [&](int32_t other) {
-    ++piece.compared;
-    float apart;
-    if (MayMeet(neighbours, a, static_cast<size_t>(other), &apart)) near.push_back({apart, other});
-  });
+void FindNear(const WispStep& step, size_t a, size_t most, const WispNeighbours& neighbours,
+              WispScratch& scratch, WispScratch::Piece& piece) {
+  thread_local std::vector<int32_t> boxes;
+  thread_local std::vector<WispScratch::Near> near;
+  boxes.clear(), near.clear();
+  scratch.grid.ForOverlapping(static_cast<int>(a), [&](int32_t other) { boxes.push_back(other); });
+  piece.compared += static_cast<int64_t>(boxes.size());
+  AddNear(step, a, neighbours, boxes, near);
+  KeepRoom(boxes), KeepRoom(near);
   const Around& around = neighbours.around[a];
   float spare = around.spare, widest = around.widest;
   if (near.size() > 2 * most) widest = kNarrower * std::min(spare, widest);
@@ -211,8 +236,8 @@ void FindNear(size_t a, size_t most, const WispNeighbours& neighbours, WispScrat
 }
 
 // Lists the moved links' neighbours in scratch.found.
-void FindPairs(const WispPoints& points, exec::WorkerPool& pool, const WispNeighbours& neighbours,
-               WispScratch& scratch) {
+void FindPairs(const WispPoints& points, const WispStep& step, exec::WorkerPool& pool,
+               const WispNeighbours& neighbours, WispScratch& scratch) {
   const int guides = points.guides();
   const auto links = static_cast<double>(neighbours.around.size());
   const auto most = static_cast<size_t>(Budget(kMostNear, kMore, points) / links) + 1;
@@ -222,10 +247,9 @@ void FindPairs(const WispPoints& points, exec::WorkerPool& pool, const WispNeigh
     piece.compared = 0;
     const auto first = static_cast<size_t>(neighbours.first_link[static_cast<size_t>(begin)]);
     const auto last = static_cast<size_t>(neighbours.first_link[static_cast<size_t>(end)]);
-    piece.near.reserve(4 * most);  // Links that find more are searched less widely.
     piece.neighbours.reserve(most * (last - first));
     for (size_t a = first; a < last; ++a) {
-      if (scratch.moved[a] != 0) FindNear(a, most, neighbours, scratch, piece);
+      if (scratch.moved[a] != 0) FindNear(step, a, most, neighbours, scratch, piece);
     }
   });
   scratch.found.clear();
@@ -281,8 +305,8 @@ void Merge(WispScratch& scratch, WispNeighbours& neighbours) {
   neighbours.first_of.back() = static_cast<int32_t>(k);
 }
 
-void Search(const WispPoints& points, WispScratch& scratch, exec::WorkerPool& pool,
-            WispNeighbours& neighbours) {
+void Search(const WispPoints& points, const WispStep& step, WispScratch& scratch,
+            exec::WorkerPool& pool, WispNeighbours& neighbours) {
   const bool all = std::ranges::all_of(scratch.moved, [](uint8_t moved) { return moved != 0; });
   neighbours.longest_sweep = kLongestSweep;
   for (int tries = 0; tries < 6; ++tries) {
@@ -300,7 +324,7 @@ void Search(const WispPoints& points, WispScratch& scratch, exec::WorkerPool& po
     if (!all || tests <= Budget(kWorst, kMore, points)) break;
     neighbours.longest_sweep *= 0.5f;
   }
-  FindPairs(points, pool, neighbours, scratch);
+  FindPairs(points, step, pool, neighbours, scratch);
   for (size_t l = 0; l < neighbours.around.size(); ++l) {
     if (!scratch.moved[l] || neighbours.around[l].spare < 0) continue;
     neighbours.around[l].spare = scratch.spare[l];
@@ -331,7 +355,7 @@ void FindNeighbours(const WispPoints& points, const WispStep& step, const WispSe
                  scratch);
   });
   scratch.work = {};
-  if (MarkMoved(points, scratch, neighbours)) Search(points, scratch, pool, neighbours);
+  if (MarkMoved(points, scratch, neighbours)) Search(points, step, scratch, pool, neighbours);
   scratch.work.neighbours = static_cast<int64_t>(neighbours.pairs.size());
 }
 

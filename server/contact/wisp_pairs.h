@@ -102,8 +102,7 @@ struct WispScratch {
   };
   /// What a piece of guides finds.
   struct Piece {
-    int64_t compared = 0;    ///< Work::compared of this step.
-    std::vector<Near> near;  ///< Of one link.
+    int64_t compared = 0;  ///< Work::compared of this step.
     std::vector<WispNeighbours::Pair> neighbours;
     std::vector<WispPair> pairs;
   };
