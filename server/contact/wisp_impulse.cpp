@@ -84,9 +84,7 @@ WispPair MakePair(const WispPoints& points, const WispStep& step, const WispSett
     const float apart = (at_rest(0) - at_rest(1)).norm();
     if (apart < reach) at_rest_apart = apart;
   }
-  const auto relaxed =
-      static_cast<float>(-std::expm1(-step.dt / std::max(1e-3, settings.relaxation_time)));
-  pair.reference = old ? old->reference + relaxed * (at_rest_apart - old->reference)
+  pair.reference = old ? old->reference + step.relaxed * (at_rest_apart - old->reference)
                        : std::min(at_rest_apart, contact.start.norm());
   pair.gap = contact.start.dot(pair.normal) - pair.reference;
 

@@ -102,6 +102,7 @@ void Measure(const WispNeighbours& neighbours, size_t l, WispScratch& scratch) {
   }
   link.wobble = std::sqrt(wobble);
   link.spread = std::sqrt(spread);
+  link.fast = link.sweep.norm() + link.spread;
   link.bulge = std::sqrt(bulge);
   link.ripple = std::sqrt(ripple);
   link.half = 0.5f * std::sqrt(length);

@@ -20,8 +20,9 @@ namespace mane::contact {
 
 /// The step in which wisps are searched.
 struct WispStep {
-  float dt;  ///< [s]
-  float h;   ///< kTheta dt: positions are extrapolated by it [s].
+  float dt;       ///< [s]
+  float h;        ///< kTheta dt: positions are extrapolated by it [s].
+  float relaxed;  ///< Part of the way that distances go in it to those of the rest shape (H5).
   const WispKernels* kernels;
 };
 
@@ -89,7 +90,8 @@ struct WispLink {
   Eigen::Vector3f moved;  ///< What its ends have moved since the last step, as a mean [m],
   float wobble;           ///< and a point of it beside that at most.
   Eigen::Vector3f sweep;  ///< What its ends will move in the step, as a mean [m],
-  float spread;           ///< and a point of it beside that at most.
+  float spread;           ///< and a point of it beside that at most,
+  float fast;             ///< and altogether.
   float bulge;            ///< How far a point of it is from the line between its ends at most [m],
   float ripple;           ///< and what it will move beside what the line does there.
   float half;             ///< Of its longest segment [m].

@@ -112,6 +112,7 @@ void Visit(const Search& search, int32_t k) {
   Pair& pair = search.PairAt(k);
   const WispLink &a = search.LinkAt(pair.first), &b = search.LinkAt(pair.second);
   pair.slack -= (a.moved - b.moved).norm() + a.wobble + b.wobble;
+  if (!pair.known() && pair.slack > a.fast + b.fast) return;  // Whatever ways they go.
   const Look look = LookAt(search, k);
   const float enough = std::max(-kLate * look.reach, look.sweep - kStill * look.reach);
   if (pair.slack > enough && !look.followed) return;
