@@ -40,6 +40,20 @@ void Reserve(const Block& block, size_t points, BatchContactScratch* scratch) {
   grow(points * kLanes, &scratch->place);
 }
 
+// What a group is like at the first `n` places of `scratch`.
+void AtPlaces(const BodyGroup& group, size_t n, BatchContactScratch* scratch) {
+  const PointSpans at{{scratch->x.data(), n}, {scratch->y.data(), n}, {scratch->z.data(), n}};
+  At(group.bodies, 0, at,
+     {{{scratch->distance.data(), n},
+       {scratch->nx.data(), n},
+       {scratch->ny.data(), n},
+       {scratch->nz.data(), n}},
+      {scratch->vx.data(), n},
+      {scratch->vy.data(), n},
+      {scratch->vz.data(), n},
+      {scratch->body.data(), n}});
+}
+
 // Looks at a group from the points that are stale, and remembers what is seen.
 void LookAgain(const BodyGroup& group, int points, int count, Row<float>* seen,
                BatchContactScratch* scratch) {
@@ -56,16 +70,7 @@ void LookAgain(const BodyGroup& group, int points, int count, Row<float>* seen,
       ++n;
     }
   }
-  const PointSpans at{{scratch->x.data(), n}, {scratch->y.data(), n}, {scratch->z.data(), n}};
-  At(group.bodies, 0, at,
-     {{{scratch->distance.data(), n},
-       {scratch->nx.data(), n},
-       {scratch->ny.data(), n},
-       {scratch->nz.data(), n}},
-      {scratch->vx.data(), n},
-      {scratch->vy.data(), n},
-      {scratch->vz.data(), n},
-      {scratch->body.data(), n}});
+  AtPlaces(group, n, scratch);
   for (size_t j = 0; j < n; ++j) {
     const uint32_t point = scratch->place[j] / kLanes, lane = scratch->place[j] % kLanes;
     Row<float>* const rows = seen + point * kSeenRows;
@@ -201,7 +206,38 @@ void BlockStep::Begin() {
       std::fill_n(scratch_.meetings[i * kMeetingRows + kDistance].lane, kLanes, 1e9F);
     }
   }
+  LookBetween();
   contact_.meetings.begin(Meetings(), numbers_, memory_[0].lane);
+}
+
+void BlockStep::LookBetween() {
+  scratch_.any_stale.assign(points_, 0);
+  if (!contact_.meetings.between(points_, scratch_.points[0].lane, scratch_.meetings[0].lane,
+                                 scratch_.local[0].lane, scratch_.stale[0].lane,
+                                 scratch_.any_stale.data())) {
+    return;
+  }
+  for (size_t g = 0; g < contact_.groups.size(); ++g) {
+    const GroupMotion& motion = contact_.motions[g];
+    const Eigen::Map<const Eigen::Matrix3f> R(motion.frame);
+    const Eigen::Map<const Eigen::Vector3f> p(motion.position);
+    size_t n = 0;
+    for (int i = 0; i < points_; ++i) {
+      for (int lane = 0; scratch_.any_stale[i] != 0 && lane < kLanes; ++lane) {
+        if (scratch_.stale[i].lane[lane] == 0) continue;
+        const Eigen::Vector3f at = R.transpose() * (At(scratch_.local, 3 * i, lane) - p);
+        scratch_.place[n] = static_cast<uint32_t>(i * kLanes + lane);
+        scratch_.x[n] = at.x(), scratch_.y[n] = at.y(), scratch_.z[n] = at.z();
+        ++n;
+      }
+    }
+    AtPlaces(*contact_.groups[g], n, &scratch_);
+    for (size_t j = 0; j < n; ++j) {
+      const uint32_t point = scratch_.place[j] / kLanes, lane = scratch_.place[j] % kLanes;
+      float& middle = scratch_.meetings[point * kMeetingRows + kMiddle].lane[lane];
+      middle = std::min(middle, scratch_.distance[j]);
+    }
+  }
 }
 
 void BlockStep::Solve() {
