@@ -48,7 +48,7 @@ void Forget(std::span<rod::Row<float>> memory);
 /// Memory of one worker; grows to the largest block it has seen and is reused.
 struct BatchContactScratch {
   rod::BatchScratch step;
-  std::vector<rod::Row<float>> points, meetings, loads, velocities, local, stale, next;
+  std::vector<rod::Row<float>> points, meetings, loads, velocities, local, places, stale, next;
   std::vector<unsigned char> loaded, watched, any_stale;
   std::vector<float> x, y, z, distance, nx, ny, nz, vx, vy, vz;
   std::vector<int32_t> body;
@@ -115,8 +115,8 @@ class BlockStep {
 
  private:
   [[nodiscard]] MeetingBlock Meetings();
-  // Sets what bodies are like between points where they turn sharply (K14).
-  void LookBetween();
+  // Looks at a group between points where it turns sharply (K14); `seen` is of its points.
+  void LookBetween(size_t group, const rod::Row<float>* seen);
 
   const BatchContact& contact_;
   const rod::KindKernels<float>& kernels_;

@@ -73,36 +73,39 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
       Put(all.friction, meeting, kMeetFriction);
       Put(all.anisotropy, meeting, kMeetAnisotropy);
       Put(room, meeting, kRoom);
+      if (first) Put(All(kFar), meeting, kMiddle);
       point += rod::layout::kPointRows * kLanes;
       seen += kSeenRows * kLanes, local += 3 * kLanes, meeting += kMeetingRows * kLanes;
     }
   }
 
-  static bool Between(int points, const float* point, float* meeting, float* place, float* sharp,
-                      unsigned char* any_sharp) {
+  static bool Between(int points, const float* point, const GroupMotion& group, const float* seen,
+                      const float* local, float* place, float* sharp, unsigned char* any_sharp) {
+    const Frame<V> R = FrameOf(group);
     bool any = false;
-    for (int i = 0; i < points; ++i, point += rod::layout::kPointRows * kLanes,
-             meeting += kMeetingRows * kLanes, place += 3 * kLanes, sharp += kLanes) {
-      Put(All(kFar), meeting, kMiddle);
-      Put(V{}, sharp, 0);
-      if (i + 1 == points) break;
-      const auto near = Farther(meeting) < kSagReach;
+    for (int i = 0; i + 1 < points; ++i, point += rod::layout::kPointRows * kLanes,
+             seen += kSeenRows * kLanes, local += 3 * kLanes, place += 3 * kLanes,
+             sharp += kLanes) {
+      const V d = Row(seen, kSeenDistance), d_next = Row(seen, kSeenRows + kSeenDistance);
+      const auto near = (d < kSagReach) & (d_next < kSagReach);
       if (!simd::MANE_ISA::Any(near)) continue;
-      const Vec n = Rows(meeting, kMeetNormal), n_next = Rows(meeting, kMeetingRows + kMeetNormal);
-      const Vec at = Rows(point, 0), way = Rows(point, rod::layout::kPointRows) - at;
+      const Vec n = Rows(seen, kSeenNormal), n_next = Rows(seen, kSeenRows + kSeenNormal);
+      const Vec at = Rows(local, 0), next = Rows(local, 3), way = next - at;
       const V in = Dot(n, way), out = Dot(n_next, way), turns = out - in;
       const auto asks = near & (0.125F * turns > kSharp);
+      Put(asks ? All(1) : V{}, sharp, 0);
       if (!simd::MANE_ISA::Any(asks)) continue;
       // Where the planes of both are as deep; there on the curve with the tangents of both.
-      const V apart = Row(meeting, kDistance) - Row(meeting, kMeetingRows + kDistance);
+      const V apart = d - d_next + Dot(n, at - Rows(seen, kSeenAt)) -
+                      Dot(n_next, next - Rows(seen, kSeenRows + kSeenAt));
       const V cross = (apart + out) / (turns > 1e-6F ? turns : All(1e-6F));
       const V s = cross > kEdge ? (cross < 1 - kEdge ? cross : All(1 - kEdge)) : All(kEdge);
       const V rest = All(1) - s, length = Speed(way);
-      const Vec t = Rows(point, rod::layout::kTangent),
-                t_next = Rows(point, rod::layout::kPointRows + rod::layout::kTangent);
+      const Vec t = TransposeTimes(R, Rows(point, rod::layout::kTangent)),
+                t_next =
+                    TransposeTimes(R, Rows(point, rod::layout::kPointRows + rod::layout::kTangent));
       const Vec bent = rest * (length * t - way) - s * (length * t_next - way);
       Put(at + s * way + (s * rest) * bent, place, 0);
-      Put(asks ? All(1) : V{}, sharp, 0);
       any_sharp[i] = 1, any = true;
     }
     return any;
@@ -305,19 +308,14 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
             own * a.surface + part * b.surface, own * a.friction + part * b.friction,
             own * a.anisotropy + part * b.anisotropy};
   }
-  // Where a strand is deepest between a point and the next, and which way out of there is one for
-  // both points (K14).
+  // What a body is like between a point and the next (K14).
   struct Middle {
     V distance;
     Vec normal, surface;
   };
   static Middle NoMiddle() { return {All(kFar), Vec{V{}, V{}, V{}}, Vec{V{}, V{}, V{}}}; }
   static Middle MiddleOf(const float* meeting) {
-    const V distance = Row(meeting, kMiddle);
-    if (!simd::MANE_ISA::Any(distance < kFar)) return NoMiddle();
-    const Vec n = Rows(meeting, kMeetNormal) + Rows(meeting, kMeetingRows + kMeetNormal);
-    const Vec v = Rows(meeting, kSurface) + Rows(meeting, kMeetingRows + kSurface);
-    return {distance, (1.0F / Speed(n)) * n, All(0.5F) * v};
+    return {Row(meeting, kMiddle), Rows(meeting, kMiddleNormal), Rows(meeting, kMiddleSurface)};
   }
   // A point meets what lies beside it as if it were another body.
   static void JoinMiddle(const Middle& middle, float* meeting) {
@@ -500,10 +498,11 @@ struct MeetingTable {
       return false;
     });
   }
-  static bool Between(int points, const float* point, float* meeting, float* places, float* sharp,
-                      unsigned char* any_sharp) {
+  static bool Between(int points, const float* point, const GroupMotion& group, const float* seen,
+                      const float* local, float* places, float* sharp, unsigned char* any_sharp) {
     return Groups([&](int l) {
-      return Meetings<W>::Between(points, point + l, meeting + l, places + l, sharp + l, any_sharp);
+      return Meetings<W>::Between(points, point + l, group, seen + l, local + l, places + l,
+                                  sharp + l, any_sharp);
     });
   }
   static bool Begin(const MeetingBlock& block, const MeetingNumbers& numbers,
