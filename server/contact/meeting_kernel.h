@@ -37,7 +37,7 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
       const V way2 = Dot(moved, moved);
       // Not far, and farther along than the plane seen there serves. Anything but a number is new.
       const V reach = Reach(point, group, x, numbers);
-      const V distance = Row(seen, kSeenDistance), spare = distance - reach;
+      const V distance = Row(seen, kSeenDistance), spare = Sure(distance) - reach;
       const V serves = PlaneReach(distance), limit = spare > serves ? spare : serves;
       const auto fresh = way2 < limit * limit;
       const V flag = fresh ? V{} : All(1);
@@ -86,8 +86,9 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
     for (int i = 0; i + 1 < points; ++i, point += rod::layout::kPointRows * kLanes,
              seen += kSeenRows * kLanes, local += 3 * kLanes, place += 3 * kLanes,
              sharp += kLanes) {
+      // Farther from both ends than they are from each other nothing is.
       const V d = Row(seen, kSeenDistance), d_next = Row(seen, kSeenRows + kSeenDistance);
-      const auto near = (d < kSagReach) & (d_next < kSagReach);
+      const auto near = d + d_next < kAskReach;
       if (!simd::MANE_ISA::Any(near)) continue;
       const Vec n = Rows(seen, kSeenNormal), n_next = Rows(seen, kSeenRows + kSeenNormal);
       const Vec at = Rows(local, 0), next = Rows(local, 3), way = next - at;
@@ -272,14 +273,17 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
   static constexpr float kMostSag = 3e-3F;    // Kept away for what lies between points [m],
   static constexpr float kSagReach = 2e-2F;   // of those that are so near.
   static constexpr float kSharp = 6e-4F;      // That by a bulge, bodies are looked at there [m],
+  static constexpr float kAskReach = 2e-2F;   // if both ends together are so near [m],
   static constexpr float kEdge = 0.15F;  // but for these parts of the way next to points (K14).
   static constexpr float kJoin = 2e-3F;  // Width in which two bodies join (K13) [m].
   static constexpr float kCoilSoftness = 3;
   static constexpr float kPlaneReach = 1.2e-3F;  // K7 [m]
   static constexpr float kPlaneShare = 0.3F;
-  static constexpr float kSlack = 2e-2F;  // Of a velocity that K2 asks for [m/s].
-  static constexpr float kNear = 4e-3F;   // Points are looked at from here on [m],
-  static constexpr float kReach = 2;      // or from this many times what they move in h.
+  static constexpr float kSure = 0.1F;           // Distances up to here are those of fields [m],
+  static constexpr float kSureShare = 1.0F / 3;  // and beyond no less than this part of them (D12).
+  static constexpr float kSlack = 2e-2F;         // Of a velocity that K2 asks for [m/s].
+  static constexpr float kNear = 4e-3F;          // Points are looked at from here on [m],
+  static constexpr float kReach = 2;             // or from this many times what they move in h.
   static constexpr float kFar = 1e9F;
 
   // What a point sees of a group of bodies.
@@ -369,6 +373,11 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
   // How far a plane seen at this distance serves [m] (K7).
   static V PlaneReach(const V& distance) {
     return kPlaneReach + (distance > 0.0F ? kPlaneShare * distance : V{});
+  }
+  // What is left of a distance that may be too large (D12) [m].
+  static V Sure(const V& distance) {
+    const V part = kSureShare * distance, least = part > kSure ? part : All(kSure);
+    return distance < least ? distance : least;
   }
   // How near a body must be to be looked at [m].
   static V Reach(const float* point, const GroupMotion& group, const Vec& x,
