@@ -86,9 +86,11 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
     for (int i = 0; i + 1 < points; ++i, point += rod::layout::kPointRows * kLanes,
              seen += kSeenRows * kLanes, local += 3 * kLanes, place += 3 * kLanes,
              sharp += kLanes) {
-      // Farther from both ends than they are from each other nothing is.
+      Put(V{}, sharp, 0);
+      // Nothing is farther from both ends than they are from each other. What lies deep comes out
+      // where its points say.
       const V d = Row(seen, kSeenDistance), d_next = Row(seen, kSeenRows + kSeenDistance);
-      const auto near = d + d_next < kAskReach;
+      const auto near = (d + d_next < kAskReach) & (d > -kMostSag) & (d_next > -kMostSag);
       if (!simd::MANE_ISA::Any(near)) continue;
       const Vec n = Rows(seen, kSeenNormal), n_next = Rows(seen, kSeenRows + kSeenNormal);
       const Vec at = Rows(local, 0), next = Rows(local, 3), way = next - at;
