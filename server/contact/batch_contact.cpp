@@ -100,7 +100,7 @@ void LookAgain(const BodyGroup& group, int points, int count, Row<float>* seen,
   }
 }
 
-Eigen::Vector3f At(const Row<float>* rows, size_t row, size_t lane) {
+Eigen::Vector3f At(const std::vector<Row<float>>& rows, int row, int lane) {
   return {rows[row].lane[lane], rows[row + 1].lane[lane], rows[row + 2].lane[lane]};
 }
 
@@ -227,27 +227,22 @@ void BlockStep::LookBetween(size_t g, const Row<float>* seen) {
                                  scratch_.stale[0].lane, scratch_.any_stale.data())) {
     return;
   }
-  size_t n = Gather(scratch_.places, points_, kLanes, &scratch_);
+  const size_t n = Gather(scratch_.places, points_, kLanes, &scratch_);
   AtPlaces(*contact_.groups[g], n, &scratch_);
-  NoteBetween(g, seen, n);
-  n = LookBeside(seen, n);
-  AtPlaces(*contact_.groups[g], n, &scratch_);
-  NoteBetween(g, seen, n);
-}
-
-void BlockStep::NoteBetween(size_t g, const Row<float>* seen, size_t n) {
-  const GroupMotion& motion = contact_.motions[g];
   const Eigen::Map<const Eigen::Matrix3f> R(motion.frame);
-  const Eigen::Map<const Eigen::Vector3f> v(motion.velocity), w(motion.spin);
+  const Eigen::Map<const Eigen::Vector3f> p(motion.position), v(motion.velocity), w(motion.spin);
   for (size_t j = 0; j < n; ++j) {
     const uint32_t point = scratch_.place[j] / kLanes, lane = scratch_.place[j] % kLanes;
     Row<float>* const rows = &scratch_.meetings[point * kMeetingRows];
     if (scratch_.distance[j] >= rows[kMiddle].lane[lane]) continue;
     rows[kMiddle].lane[lane] = scratch_.distance[j];
     // Ends that face each other through a thin body say where its rim is.
+    const auto normal = [&](const Row<float>* of) {
+      return Eigen::Vector3f(of[kSeenNormal].lane[lane], of[kSeenNormal + 1].lane[lane],
+                             of[kSeenNormal + 2].lane[lane]);
+    };
     const Row<float>* const of = seen + point * kSeenRows;
-    const Eigen::Vector3f out =
-        R * (At(of, kSeenNormal, lane) + At(of, kSeenRows + kSeenNormal, lane)).normalized();
+    const Eigen::Vector3f out = R * (normal(of) + normal(of + kSeenRows)).normalized();
     const Eigen::Vector3f at(scratch_.x[j], scratch_.y[j], scratch_.z[j]);
     const Eigen::Vector3f surface = v + w.cross(R * at);
     for (int i = 0; i < 3; ++i) {
@@ -255,29 +250,6 @@ void BlockStep::NoteBetween(size_t g, const Row<float>* seen, size_t n) {
       rows[kMiddleSurface + i].lane[lane] = surface[i];
     }
   }
-}
-
-size_t BlockStep::LookBeside(const Row<float>* seen, size_t n) {
-  size_t left = 0;
-  for (size_t j = 0; j < n; ++j) {
-    const float clear = scratch_.distance[j];
-    const uint32_t point = scratch_.place[j] / kLanes, lane = scratch_.place[j] % kLanes;
-    const Eigen::Vector3f at(scratch_.x[j], scratch_.y[j], scratch_.z[j]);
-    float widest = 0;
-    Eigen::Vector3f place = at;
-    for (uint32_t end = point; clear > 0 && end <= point + 1; ++end) {
-      const Eigen::Vector3f way = At(scratch_.local.data(), 3 * end, lane) - at;
-      const float length = way.norm(), rest = seen[end * kSeenRows + kSeenDistance].lane[lane];
-      if (length - clear - rest <= widest) continue;
-      widest = length - clear - rest;
-      place = at + (0.5F * (length + clear - rest) / length) * way;
-    }
-    if (!(widest > 0)) continue;
-    scratch_.place[left] = scratch_.place[j];
-    scratch_.x[left] = place.x(), scratch_.y[left] = place.y(), scratch_.z[left] = place.z();
-    ++left;
-  }
-  return left;
 }
 
 void BlockStep::Solve() {
@@ -316,14 +288,13 @@ float BlockStep::Bend() const {
 }
 
 Eigen::Vector3f BlockStep::Position(int point, int lane) const {
-  return At(scratch_.points.data(), point * rod::layout::kPointRows + rod::layout::kPosition, lane);
+  return At(scratch_.points, point * rod::layout::kPointRows + rod::layout::kPosition, lane);
 }
 Eigen::Vector3f BlockStep::LastVelocity(int point, int lane) const {
-  return At(scratch_.points.data(), point * rod::layout::kPointRows + rod::layout::kLastVelocity,
-            lane);
+  return At(scratch_.points, point * rod::layout::kPointRows + rod::layout::kLastVelocity, lane);
 }
 Eigen::Vector3f BlockStep::Velocity(int point, int lane) const {
-  return At(scratch_.velocities.data(), 3 * point, lane);
+  return At(scratch_.velocities, 3 * point, lane);
 }
 
 float BlockStep::Mass(int point, int lane) const {

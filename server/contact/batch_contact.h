@@ -117,11 +117,6 @@ class BlockStep {
   [[nodiscard]] MeetingBlock Meetings();
   // Looks at a group between points where it turns sharply (K14); `seen` is of its points.
   void LookBetween(size_t group, const rod::Row<float>* seen);
-  // Keeps of the first `n` places those where the group is deepest so far.
-  void NoteBetween(size_t group, const rod::Row<float>* seen, size_t n);
-  // Replaces the first `n` places, by what the group's distance there and at the points beside them
-  // leaves of the way: the middle of its widest part. Returns how many are left.
-  [[nodiscard]] size_t LookBeside(const rod::Row<float>* seen, size_t n);
 
   const BatchContact& contact_;
   const rod::KindKernels<float>& kernels_;
