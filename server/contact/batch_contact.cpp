@@ -27,6 +27,7 @@ void Reserve(const Block& block, size_t points, BatchContactScratch* scratch) {
   grow(points * rod::layout::kLoadRows, &scratch->loads);
   grow(points * 3, &scratch->velocities);
   grow(points * 3, &scratch->local);
+  grow(points * 3, &scratch->places);
   grow(points, &scratch->stale);
   grow(static_cast<size_t>(block.elements) * rod::layout::StateRowsPerElement(block.kind),
        &scratch->next);
@@ -40,9 +41,9 @@ void Reserve(const Block& block, size_t points, BatchContactScratch* scratch) {
   grow(points * kLanes, &scratch->place);
 }
 
-// Looks at a group from the points that are stale, and remembers what is seen.
-void LookAgain(const BodyGroup& group, int points, int count, Row<float>* seen,
-               BatchContactScratch* scratch) {
+// Takes of `places` those that are marked, of the first `count` lanes. Returns how many.
+size_t Gather(const std::vector<Row<float>>& places, int points, int count,
+              BatchContactScratch* scratch) {
   size_t n = 0;
   for (int i = 0; i < points; ++i) {
     if (scratch->any_stale[i] == 0) continue;
@@ -50,12 +51,17 @@ void LookAgain(const BodyGroup& group, int points, int count, Row<float>* seen,
     for (int lane = 0; lane < count; ++lane) {
       if (stale[lane] == 0) continue;
       scratch->place[n] = static_cast<uint32_t>(i * kLanes + lane);
-      scratch->x[n] = scratch->local[3 * i].lane[lane];
-      scratch->y[n] = scratch->local[3 * i + 1].lane[lane];
-      scratch->z[n] = scratch->local[3 * i + 2].lane[lane];
+      scratch->x[n] = places[3 * i].lane[lane];
+      scratch->y[n] = places[3 * i + 1].lane[lane];
+      scratch->z[n] = places[3 * i + 2].lane[lane];
       ++n;
     }
   }
+  return n;
+}
+
+// What a group is like at the first `n` places of `scratch`.
+void AtPlaces(const BodyGroup& group, size_t n, BatchContactScratch* scratch) {
   const PointSpans at{{scratch->x.data(), n}, {scratch->y.data(), n}, {scratch->z.data(), n}};
   At(group.bodies, 0, at,
      {{{scratch->distance.data(), n},
@@ -66,6 +72,13 @@ void LookAgain(const BodyGroup& group, int points, int count, Row<float>* seen,
       {scratch->vy.data(), n},
       {scratch->vz.data(), n},
       {scratch->body.data(), n}});
+}
+
+// Looks at a group from the points that are stale, and remembers what is seen.
+void LookAgain(const BodyGroup& group, int points, int count, Row<float>* seen,
+               BatchContactScratch* scratch) {
+  const size_t n = Gather(scratch->local, points, count, scratch);
+  AtPlaces(group, n, scratch);
   for (size_t j = 0; j < n; ++j) {
     const uint32_t point = scratch->place[j] / kLanes, lane = scratch->place[j] % kLanes;
     Row<float>* const rows = seen + point * kSeenRows;
@@ -193,15 +206,50 @@ void BlockStep::Begin() {
     }
     contact_.meetings.meet(points_, points, contact_.motions[g], seen->lane, scratch_.local[0].lane,
                            g == 0, scratch_.meetings[0].lane);
+    LookBetween(g, seen);
   }
   if (contact_.groups.empty()) {
     constexpr Row<float> kNone{};
     std::fill_n(scratch_.meetings.begin(), points_ * kMeetingRows, kNone);
     for (int i = 0; i < points_; ++i) {
       std::fill_n(scratch_.meetings[i * kMeetingRows + kDistance].lane, kLanes, 1e9F);
+      std::fill_n(scratch_.meetings[i * kMeetingRows + kMiddle].lane, kLanes, 1e9F);
     }
   }
   contact_.meetings.begin(Meetings(), numbers_, memory_[0].lane);
+}
+
+void BlockStep::LookBetween(size_t g, const Row<float>* seen) {
+  const GroupMotion& motion = contact_.motions[g];
+  scratch_.any_stale.assign(points_, 0);
+  if (!contact_.meetings.between(points_, scratch_.points[0].lane, motion, seen->lane,
+                                 scratch_.local[0].lane, scratch_.places[0].lane,
+                                 scratch_.stale[0].lane, scratch_.any_stale.data())) {
+    return;
+  }
+  const size_t n = Gather(scratch_.places, points_, kLanes, &scratch_);
+  AtPlaces(*contact_.groups[g], n, &scratch_);
+  const Eigen::Map<const Eigen::Matrix3f> R(motion.frame);
+  const Eigen::Map<const Eigen::Vector3f> p(motion.position), v(motion.velocity), w(motion.spin);
+  for (size_t j = 0; j < n; ++j) {
+    const uint32_t point = scratch_.place[j] / kLanes, lane = scratch_.place[j] % kLanes;
+    Row<float>* const rows = &scratch_.meetings[point * kMeetingRows];
+    if (scratch_.distance[j] >= rows[kMiddle].lane[lane]) continue;
+    rows[kMiddle].lane[lane] = scratch_.distance[j];
+    // Ends that face each other through a thin body say where its rim is.
+    const auto normal = [&](const Row<float>* of) {
+      return Eigen::Vector3f(of[kSeenNormal].lane[lane], of[kSeenNormal + 1].lane[lane],
+                             of[kSeenNormal + 2].lane[lane]);
+    };
+    const Row<float>* const of = seen + point * kSeenRows;
+    const Eigen::Vector3f out = R * (normal(of) + normal(of + kSeenRows)).normalized();
+    const Eigen::Vector3f at(scratch_.x[j], scratch_.y[j], scratch_.z[j]);
+    const Eigen::Vector3f surface = v + w.cross(R * at);
+    for (int i = 0; i < 3; ++i) {
+      rows[kMiddleNormal + i].lane[lane] = out[i];
+      rows[kMiddleSurface + i].lane[lane] = surface[i];
+    }
+  }
 }
 
 void BlockStep::Solve() {

@@ -48,7 +48,7 @@ void Forget(std::span<rod::Row<float>> memory);
 /// Memory of one worker; grows to the largest block it has seen and is reused.
 struct BatchContactScratch {
   rod::BatchScratch step;
-  std::vector<rod::Row<float>> points, meetings, loads, velocities, local, stale, next;
+  std::vector<rod::Row<float>> points, meetings, loads, velocities, local, places, stale, next;
   std::vector<unsigned char> loaded, watched, any_stale;
   std::vector<float> x, y, z, distance, nx, ny, nz, vx, vy, vz;
   std::vector<int32_t> body;
@@ -65,7 +65,7 @@ struct BatchContact {
   double surprise = 0;  ///< How far strands may move besides what they did in the last step [m].
 };
 
-/// One step of one block among bodies, in stages (contact.md, K1 to K13): Begin; Solve; Revise;
+/// One step of one block among bodies, in stages (contact.md, K1 to K14): Begin; Solve; Revise;
 /// Solve; Finish, and Solve again while it asks for that; Commit. Between them the velocities of
 /// all points may be read, and impulses set that others give.
 class BlockStep {
@@ -115,6 +115,8 @@ class BlockStep {
 
  private:
   [[nodiscard]] MeetingBlock Meetings();
+  // Looks at a group between points where it turns sharply (K14); `seen` is of its points.
+  void LookBetween(size_t group, const rod::Row<float>* seen);
 
   const BatchContact& contact_;
   const rod::KindKernels<float>& kernels_;

@@ -5,6 +5,8 @@
 //   scales      friction over pressure follows the cosine law wherever hair slides
 //   energy      a body that does not move gives hair no energy, at any step
 //   depth       hair that begins inside a body comes out no faster than it may, and stays out
+//   folds       hair between whose points a body is thin or has an edge goes around it
+//   far         what is far off is looked at before it is near
 //   bounded     whatever moves, the state stays finite
 //   neighbours  a lane's bits do not depend on what others meet
 //   economy     a warm step does not allocate
@@ -84,6 +86,19 @@ class Among {
   }
   [[nodiscard]] Vector3d Tip(int i) const {
     return rod::fixtures::Tip(*strands_[i], roots_[i], Get(i).theta);
+  }
+  // How deep the centreline beyond `root` [m] of its length lies in a shape at rest, on a head at
+  // `head` [m].
+  [[nodiscard]] double Deepest(int i, const BodyShape& shape, double root,
+                               const math::Pose& head = {}) const {
+    const State state = Get(i);
+    double deepest = -1;
+    for (double s = root; s < strands_[i]->TotalLength(); s += 1e-3) {
+      const Vector3d p =
+          rod::PointAt(*strands_[i], head * roots_[i], state.theta, rod::Locate(*strands_[i], s)).r;
+      deepest = std::max(deepest, -At(shape, p).distance);
+    }
+    return deepest;
   }
   [[nodiscard]] const rod::Batch<float>::Block& block() const { return batch_.blocks()[0]; }
   [[nodiscard]] int points() const { return first_point_.back(); }
@@ -305,6 +320,69 @@ TEST(BatchContactTest, HairThatBeginsInsideComesOutSmoothly) {
     EXPECT_LT(fastest, 1.2 * hair.settings.recovery_speed + 0.05);
     EXPECT_GT(tip.y(), 0);
     EXPECT_LT(tip.y(), 2e-3);
+  }
+}
+
+BodyShape FieldOf(const TriangleMesh& mesh) {
+  exec::WorkerPool pool(2);
+  return *MeshField::Build(mesh, {}, &pool);
+}
+
+// A plate upright like an ear, and the edge of a table, which soft hair from above falls on: at any
+// place between two of its points.
+TEST(BatchContactTest, HairGoesAroundWhatIsThinnerThanItsPointsAreApart) {
+  const BodyShape ear = FieldOf(fixtures::Box({-0.1, -0.1, -0.0025}, {0.1, 0, 0.0025}, 8)),
+                  edge = FieldOf(fixtures::Box({-0.1, -0.1, -0.1}, {0.1, 0, 0.0025}, 8));
+  for (const simd::Isa isa : simd::Supported()) {
+    for (const BodyShape& shape : {ear, edge}) {
+      for (int place = 0; place < 6; ++place) {
+        Among hair(isa, shape, {0.3, 0});
+        const rod::Strand strand = rod::fixtures::HeavyStrand(2e4, 4);
+        // At first it leads through the plate, 2 mm below its rim.
+        const math::Pose root{
+            {0, 0.012, -0.06 - 0.0025 * place},
+            Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitX(), Vector3d(0, -0.2, 0.9))};
+        hair.Add(strand, root, State(strand));
+        hair.Pack();
+        rod::Surroundings air;
+        air.air_drag_scale = 1;
+        for (int i = 0; i < 4 / kDt; ++i) ASSERT_EQ(hair.Step({{}, {}, kDt}, air, {}), 0U);
+        EXPECT_LT(hair.Deepest(0, shape, 0.02), 1e-3) << place << " " << simd::Name(isa);
+        EXPECT_LT(hair.Tip(0).y(), -0.03);  // It hangs over.
+        EXPECT_GT(hair.Tip(0).z(), 0);
+      }
+    }
+  }
+}
+
+// Hair comes to a slanted plate from aside, where a field says that it is farther off than it is
+// (D12).
+TEST(BatchContactTest, WhatIsFarIsLookedAtBeforeItIsNear) {
+  TriangleMesh plate = fixtures::Box({0, -0.01, -0.3}, {0.57, 0.01, 0.3}, 8);
+  const Eigen::Quaternionf slant(
+      Eigen::AngleAxisf(0.25F * static_cast<float>(M_PI), Eigen::Vector3f::UnitZ()));
+  for (Eigen::Vector3f& vertex : plate.vertices) vertex = slant * vertex;
+  const BodyShape shape = FieldOf(plate);
+  const Vector3d from(0.46, -0.8, 0), to(0.06, 0.04, 0);
+  EXPECT_GT(At(shape, from).distance, 1.05 * (from - to).norm());
+  for (const simd::Isa isa : simd::Supported()) {
+    Among hair(isa, shape, {0.3, 0});
+    const rod::Strand strand = rod::fixtures::HeavyStrand(20, 6);
+    const math::Pose root{from,
+                          Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitX(), Vector3d::UnitZ())};
+    hair.Add(strand, root, State(strand));
+    hair.Pack();
+    rod::Surroundings air;
+    air.gravity.setZero();
+    air.air_drag_scale = 1;
+    const auto head = [&](int i) {
+      const double part = std::min(1.0, 0.5 * i * kDt / (to - from).norm());
+      return math::Pose{part * (to - from), Eigen::Quaterniond::Identity()};
+    };
+    const int steps = static_cast<int>(std::ceil((to - from).norm() / (0.5 * kDt) + 0.5 / kDt));
+    for (int i = 0; i < steps; ++i) ASSERT_EQ(hair.Step({head(i), head(i + 1), kDt}, air, {}), 0U);
+    EXPECT_LT(hair.Deepest(0, shape, 0.1, head(steps)), 1e-3) << simd::Name(isa);
+    EXPECT_GT(hair.Deepest(0, shape, 0.1, head(steps)), -1e-2);  // It has come there.
   }
 }
 

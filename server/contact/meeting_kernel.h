@@ -1,6 +1,6 @@
 #pragma once
 
-/// How points of a block of strands meet bodies in a step (contact.md, K1 to K13), lane by lane;
+/// How points of a block of strands meet bodies in a step (contact.md, K1 to K14), lane by lane;
 /// only for sources that define MANE_ISA.
 
 #include "contact/meeting_layout.h"
@@ -37,7 +37,7 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
       const V way2 = Dot(moved, moved);
       // Not far, and farther along than the plane seen there serves. Anything but a number is new.
       const V reach = Reach(point, group, x, numbers);
-      const V distance = Row(seen, kSeenDistance), spare = distance - reach;
+      const V distance = Row(seen, kSeenDistance), spare = Sure(distance) - reach;
       const V serves = PlaneReach(distance), limit = spare > serves ? spare : serves;
       const auto fresh = way2 < limit * limit;
       const V flag = fresh ? V{} : All(1);
@@ -73,9 +73,45 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
       Put(all.friction, meeting, kMeetFriction);
       Put(all.anisotropy, meeting, kMeetAnisotropy);
       Put(room, meeting, kRoom);
+      if (first) Put(All(kFar), meeting, kMiddle);
       point += rod::layout::kPointRows * kLanes;
       seen += kSeenRows * kLanes, local += 3 * kLanes, meeting += kMeetingRows * kLanes;
     }
+  }
+
+  static bool Between(int points, const float* point, const GroupMotion& group, const float* seen,
+                      const float* local, float* place, float* sharp, unsigned char* any_sharp) {
+    const Frame<V> R = FrameOf(group);
+    bool any = false;
+    for (int i = 0; i + 1 < points; ++i, point += rod::layout::kPointRows * kLanes,
+             seen += kSeenRows * kLanes, local += 3 * kLanes, place += 3 * kLanes,
+             sharp += kLanes) {
+      Put(V{}, sharp, 0);
+      // Nothing is farther from both ends than they are from each other. What lies deep comes out
+      // where its points say.
+      const V d = Row(seen, kSeenDistance), d_next = Row(seen, kSeenRows + kSeenDistance);
+      const auto near = (d + d_next < kAskReach) & (d > -kMostSag) & (d_next > -kMostSag);
+      if (!simd::MANE_ISA::Any(near)) continue;
+      const Vec n = Rows(seen, kSeenNormal), n_next = Rows(seen, kSeenRows + kSeenNormal);
+      const Vec at = Rows(local, 0), next = Rows(local, 3), way = next - at;
+      const V in = Dot(n, way), out = Dot(n_next, way), turns = out - in;
+      const auto asks = near & (0.125F * turns > kSharp);
+      Put(asks ? All(1) : V{}, sharp, 0);
+      if (!simd::MANE_ISA::Any(asks)) continue;
+      // Where the planes of both are as deep; there on the curve with the tangents of both.
+      const V apart = d - d_next + Dot(n, at - Rows(seen, kSeenAt)) -
+                      Dot(n_next, next - Rows(seen, kSeenRows + kSeenAt));
+      const V cross = (apart + out) / (turns > 1e-6F ? turns : All(1e-6F));
+      const V s = cross > kEdge ? (cross < 1 - kEdge ? cross : All(1 - kEdge)) : All(kEdge);
+      const V rest = All(1) - s, length = Speed(way);
+      const Vec t = TransposeTimes(R, Rows(point, rod::layout::kTangent)),
+                t_next =
+                    TransposeTimes(R, Rows(point, rod::layout::kPointRows + rod::layout::kTangent));
+      const Vec bent = rest * (length * t - way) - s * (length * t_next - way);
+      Put(at + s * way + (s * rest) * bent, place, 0);
+      any_sharp[i] = 1, any = true;
+    }
+    return any;
   }
 
   static bool Begin(const MeetingBlock& block, const MeetingNumbers& numbers,
@@ -90,6 +126,7 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
     int i = 0;
     V before{};  // Arc length of the element's left end [l0].
     V sag_before{};
+    Middle before_it = NoMiddle();
     bool any = false;
     const float* point = block.points;
     float *meeting = block.meetings, *load = block.loads;
@@ -103,8 +140,12 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
         const V arc = unit * (before + static_cast<float>(k + 1) * share);
         // A coil's envelope, from nothing at the root.
         const V around = 0.25F * arc < radius ? 0.25F * arc : radius;
-        const V sag_after = ++i < points ? Sag(point, meeting) : V{};
+        const Middle after_it = ++i < points ? MiddleOf(meeting) : NoMiddle();
+        const V sag_after = i < points ? Sag(point, meeting) : V{};
         V sag = sag_before > sag_after ? sag_before : sag_after;
+        JoinMiddle(before_it, meeting);
+        JoinMiddle(after_it, meeting);
+        before_it = after_it;
         if (!block.wound) {
           const V bulge = Bulge(element, unit * share, count);
           sag = sag > bulge ? sag : bulge;
@@ -233,13 +274,18 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
   static constexpr float kLiftDepth = 1e-3F;  // At which what lifts is at its most (K9) [m].
   static constexpr float kMostSag = 3e-3F;    // Kept away for what lies between points [m],
   static constexpr float kSagReach = 2e-2F;   // of those that are so near.
-  static constexpr float kJoin = 2e-3F;       // Width in which two bodies join (K13) [m].
+  static constexpr float kSharp = 6e-4F;      // That by a bulge, bodies are looked at there [m],
+  static constexpr float kAskReach = 2e-2F;   // if both ends together are so near [m],
+  static constexpr float kEdge = 0.15F;  // but for these parts of the way next to points (K14).
+  static constexpr float kJoin = 2e-3F;  // Width in which two bodies join (K13) [m].
   static constexpr float kCoilSoftness = 3;
   static constexpr float kPlaneReach = 1.2e-3F;  // K7 [m]
   static constexpr float kPlaneShare = 0.3F;
-  static constexpr float kSlack = 2e-2F;  // Of a velocity that K2 asks for [m/s].
-  static constexpr float kNear = 4e-3F;   // Points are looked at from here on [m],
-  static constexpr float kReach = 2;      // or from this many times what they move in h.
+  static constexpr float kSure = 0.1F;           // Distances up to here are those of fields [m],
+  static constexpr float kSureShare = 1.0F / 3;  // and beyond no less than this part of them (D12).
+  static constexpr float kSlack = 2e-2F;         // Of a velocity that K2 asks for [m/s].
+  static constexpr float kNear = 4e-3F;          // Points are looked at from here on [m],
+  static constexpr float kReach = 2;             // or from this many times what they move in h.
   static constexpr float kFar = 1e9F;
 
   // What a point sees of a group of bodies.
@@ -268,6 +314,32 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
             own * a.surface + part * b.surface, own * a.friction + part * b.friction,
             own * a.anisotropy + part * b.anisotropy};
   }
+  // What a body is like between a point and the next (K14).
+  struct Middle {
+    V distance;
+    Vec normal, surface;
+  };
+  static Middle NoMiddle() { return {All(kFar), Vec{V{}, V{}, V{}}, Vec{V{}, V{}, V{}}}; }
+  static Middle MiddleOf(const float* meeting) {
+    return {Row(meeting, kMiddle), Rows(meeting, kMiddleNormal), Rows(meeting, kMiddleSurface)};
+  }
+  // A point meets what lies beside it as if it were another body.
+  static void JoinMiddle(const Middle& middle, float* meeting) {
+    const auto counts = middle.distance < kFar;
+    if (!simd::MANE_ISA::Any(counts)) return;
+    const Group own = GroupsBefore(meeting);
+    V room = All(kFar);
+    const Group all =
+        Join(own, {middle.distance, middle.normal, middle.surface, own.friction, own.anisotropy},
+             room, &room);
+    Put(counts ? all.distance : own.distance, meeting, kDistance);
+    Put(Select(counts, all.normal, own.normal), meeting, kMeetNormal);
+    Put(Select(counts, all.surface, own.surface), meeting, kSurface);
+  }
+  static V Farther(const float* meeting) {
+    const V distance = Row(meeting, kDistance), next = Row(meeting, kMeetingRows + kDistance);
+    return distance > next ? distance : next;
+  }
   // Height of the arc between two points `apart` [m] of an element with its natural curvature (K10)
   // [m].
   static V Bulge(const float* element, const V& apart, int count) {
@@ -281,9 +353,8 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
   // How much deeper than a point and the next the strand lies in a body between them: the body's
   // surface bulges there, and the strand bends towards it (K10) [m].
   static V Sag(const float* point, const float* meeting) {
-    const V distance = Row(meeting, kDistance), next = Row(meeting, kMeetingRows + kDistance);
-    const V farther = distance > next ? distance : next;
-    const auto counts = farther < kSagReach;
+    // What has been looked at is known.
+    const auto counts = (Farther(meeting) < kSagReach) & (Row(meeting, kMiddle) >= kFar);
     if (!simd::MANE_ISA::Any(counts)) return V{};
     const Vec n = Rows(meeting, kMeetNormal), t = Rows(point, rod::layout::kTangent);
     const Vec turned = Rows(meeting, kMeetingRows + kMeetNormal) - n;
@@ -304,6 +375,11 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
   // How far a plane seen at this distance serves [m] (K7).
   static V PlaneReach(const V& distance) {
     return kPlaneReach + (distance > 0.0F ? kPlaneShare * distance : V{});
+  }
+  // What is left of a distance that may be too large (D12) [m].
+  static V Sure(const V& distance) {
+    const V part = kSureShare * distance, least = part > kSure ? part : All(kSure);
+    return distance < least ? distance : least;
   }
   // How near a body must be to be looked at [m].
   static V Reach(const float* point, const GroupMotion& group, const Vec& x,
@@ -433,6 +509,13 @@ struct MeetingTable {
       return false;
     });
   }
+  static bool Between(int points, const float* point, const GroupMotion& group, const float* seen,
+                      const float* local, float* places, float* sharp, unsigned char* any_sharp) {
+    return Groups([&](int l) {
+      return Meetings<W>::Between(points, point + l, group, seen + l, local + l, places + l,
+                                  sharp + l, any_sharp);
+    });
+  }
   static bool Begin(const MeetingBlock& block, const MeetingNumbers& numbers,
                     const float* touched) {
     return Groups([&](int l) { return Meetings<W>::Begin(At(block, l), numbers, touched + l); });
@@ -446,7 +529,9 @@ struct MeetingTable {
       return Meetings<W>::Finish(At(block, l), velocities + l, numbers, last, touched + l);
     });
   }
-  static constexpr MeetingKernels Make() { return {&Look, &Meet, &Begin, &Revise, &Finish}; }
+  static constexpr MeetingKernels Make() {
+    return {&Look, &Meet, &Between, &Begin, &Revise, &Finish};
+  }
 };
 
 }  // namespace MANE_ISA

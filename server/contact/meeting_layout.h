@@ -29,9 +29,13 @@ enum Meeting : int {
   kSurface = kMeetNormal + 3,    ///< The body's velocity there, world [m/s] (3).
   kMeetFriction = kSurface + 3,  ///< Friction::coefficient.
   kMeetAnisotropy,               ///< Friction::anisotropy.
-  kRoom,       ///< Half of what another body across leaves between the two (K13) [m].
-  kMass,       ///< That the point stands for [rho S l0]; 0 where it meets nothing.
-  kLeast,      ///< v of (K2) [m/s].
+  kRoom,    ///< Half of what another body across leaves between the two (K13) [m].
+  kMiddle,  ///< Of the way to the next point where a body turns sharply there (K14): distance [m],
+            ///< large where nobody asks;
+  kMiddleNormal = kMiddle + 1,         ///< the way out there for both points, world (3);
+  kMiddleSurface = kMiddleNormal + 3,  ///< the body's velocity, world [m/s] (3).
+  kMass = kMiddleSurface + 3,  ///< That the point stands for [rho S l0]; 0 where it meets nothing.
+  kLeast,                      ///< v of (K2) [m/s].
   kStiff,      ///< What keeps it from going on, per speed that it lacks (K2) [rho S l0]; 0 where
                ///< nothing,
   kStopSpeed,  ///< and the speed that it lacks it to: v, or the body's own (K8) [m/s].
@@ -90,6 +94,15 @@ struct MeetingKernels {
   /// Joins the group with those before (K13); the first sets all.
   void (*meet)(int points, const float* point_rows, const GroupMotion& group, const float* seen,
                const float* local, bool first, float* meetings);
+  /// Where the group turns so sharply between a point and the next that it must be looked at there,
+  /// too (K14).
+  ///
+  /// @param local  as of look. @param places  out: group's frame (points x 3)
+  /// @param sharp  out: 1 or 0 (points)
+  /// @param any_sharp  in: 0; out: whether any lane is (points)
+  /// @return whether any is.
+  bool (*between)(int points, const float* point_rows, const GroupMotion& group, const float* seen,
+                  const float* local, float* places, float* sharp, unsigned char* any_sharp);
   /// Loads of the first solution (K8). `touched`, (points x kTouchRows), is what Finish left a step
   /// ago. @return whether there are any.
   bool (*begin)(const MeetingBlock& block, const MeetingNumbers& numbers, const float* touched);

@@ -1,6 +1,7 @@
 // A head's hair among bodies, as heads step it:
 //   depth    no point of any hair is deeper than 1 mm in a head that stands, in gusts of wind, nor
 //            deeper than 3 mm in one that walks or in the shoulders that walk with it
+//   swing    nor in arms that swing past a chest
 //   rest     hair that lies on a head lies still, but for few that let go, in steps of any size
 //   reset    hair lies where it did at first, and goes on the same way
 //   bits     are the same for any number of workers, and from a copy of the state
@@ -156,6 +157,57 @@ TEST_F(ContactTest, HairIsNowhereDeepInABodyThatWalks) {
     nearest = std::max(nearest, in_shoulders);
   }
   EXPECT_GT(nearest, -3e-3);  // Some of it lies on them.
+}
+
+groom::Body Limb(const std::string& name, const Vector3d& from, const Vector3d& to, double radius) {
+  groom::Body limb;
+  limb.name = name;
+  limb.shape = groom::Body::Capsule{from, to, radius};
+  return limb;
+}
+// A chest, and arms that hang from its shoulders, so far from the middle [m].
+std::vector<groom::Body> ChestAndArms(double apart) {
+  groom::Body chest;
+  chest.name = "chest";
+  chest.shape = groom::Body::Ellipsoid{{0.16, 0.25, 0.09}};
+  chest.pose.p = {0, -0.37, 0};
+  std::vector<groom::Body> bodies = {chest};
+  for (const double side : {-1, 1}) {
+    bodies.push_back(Limb(side < 0 ? "right" : "left", {0, 0, 0}, {0, -0.3, 0}, 0.045));
+    bodies.back().pose.p = {side * apart, -0.17, 0};
+  }
+  return bodies;
+}
+
+// Long hair lies on the arms of somebody who walks; they take it along, and draw it over chest and
+// shoulders.
+TEST_F(ContactTest, ArmsThatSwingPastAChestDoNotEnterHair) {
+  auto groom = std::make_shared<groom::Groom>(*Hair(groom::HairType::kAsianSmooth, 0.55, 100));
+  groom->bodies = ChestAndArms(0.23);
+  for (groom::Body& body : groom->bodies) body.moving = true;
+  const auto bodies = BodiesOf(*groom);
+  HeadState state = AtRest(*groom, WalkingHead(0));
+  StartContact(*groom, bodies, &state);
+  double deepest = -1;
+  for (int i = 1; i <= 20 * 60; ++i) {
+    const double t = i / 60.0, swing = 0.6 * std::min(1.0, t) * std::sin(2 * M_PI * 0.95 * t);
+    const math::Pose head = WalkingHead(t);
+    math::Pose chest = WalkingShoulders(t);
+    chest.p.y() += 0.13;
+    std::vector<math::Pose> poses;
+    for (const groom::Body& body : groom->bodies) poses.push_back(chest * body.pose);
+    poses[1].q = poses[1].q * math::FromRotationVector({swing, 0, 0});
+    poses[2].q = poses[2].q * math::FromRotationVector({-swing, 0, 0});
+    const StepReport report = Advance(*groom, {head, 1 / 60.0, 1, poses}, {}, &state, pool_);
+    ASSERT_EQ(report.repaired_guides, 0);
+    const std::vector<Vector3d> points = Points(*groom, state, pool_);
+    for (size_t b = 0; b < bodies->bodies.size(); ++b) {
+      const math::Pose pose = b == 0 ? head * bodies->bodies[0].pose : poses[b - 1];
+      deepest = std::max(deepest, Deepest(*groom, points, bodies->bodies[b].shape, pose, kRoot));
+    }
+  }
+  EXPECT_LT(deepest, 3e-3);
+  EXPECT_GT(deepest, -3e-3);
 }
 
 // Somebody shakes his head, or its tracker trembles.

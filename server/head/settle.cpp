@@ -8,6 +8,7 @@
 #include "head/head.h"
 #include "head/kernels.h"
 #include "head/wisps.h"
+#include "math/rigid.h"
 
 namespace mane::head {
 namespace {
@@ -34,9 +35,22 @@ std::vector<double> NaturalShape(const groom::Guide& guide) {
   return coordinates;
 }
 
-// Where a rest shape leads through a body, coming out on its nearest side would leave hair through
-// neck and nose: it falls on them from outside instead, from its natural shape, which points away.
-void LiftDeepGuides(const groom::Groom& groom, HeadState* state) {
+// The natural shape bent at its root to stand up from the head, half way to the vertical.
+std::vector<double> RaisedShape(const groom::Guide& guide) {
+  const Eigen::Vector3d aside(guide.root.p.x(), 0, guide.root.p.z());
+  const Eigen::Vector3d away = (aside.stableNormalized() + Eigen::Vector3d::UnitY()).normalized();
+  Eigen::Matrix3d left = guide.root.q.toRotationMatrix();
+  if (guide.wound) left = left * guide.wound->coil[0].F;
+  const Eigen::Vector3d bend = math::RotationVector(
+      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitX(), left.transpose() * away));
+  std::vector<double> coordinates = NaturalShape(guide);
+  coordinates[1] = bend.y(), coordinates[2] = bend.z();  // As of a wound one's axis.
+  return coordinates;
+}
+
+// Puts guides that lie deep in a body to the shape that `shape_of` says.
+template <typename ShapeOf>
+void MoveDeepGuides(const groom::Groom& groom, const ShapeOf& shape_of, HeadState* state) {
   WispStep::Drive drive;
   const rod::ClampMotion still{{}, {}, kLongestStep};
   rod::SetDrive<float>(still, {}, 0, rod::layout::kLanes, drive);
@@ -60,9 +74,17 @@ void LiftDeepGuides(const groom::Groom& groom, HeadState* state) {
       }
       if (least > -kDeep) continue;
       const int guide = block.strands[lane];
-      groom.batch.SetStill(guide, NaturalShape(groom.guides[guide]), state->guides);
+      groom.batch.SetStill(guide, shape_of(groom.guides[guide]), state->guides);
     }
   }
+}
+
+// Where a rest shape leads through a body, coming out on its nearest side would leave hair through
+// neck and nose, or in two bodies that overlap: it falls on them from outside instead, from its
+// natural shape, which points away, or from above where that does not.
+void LiftDeepGuides(const groom::Groom& groom, HeadState* state) {
+  MoveDeepGuides(groom, NaturalShape, state);
+  MoveDeepGuides(groom, RaisedShape, state);
 }
 
 // Factor on the drag of `groom` that damps so its hair that is damped least.

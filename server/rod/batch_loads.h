@@ -48,7 +48,7 @@ void StrandStep<T, W>::Approach(int N, const int* first_point, const T* constant
   Vec left = Base::FrameRows(drive, layout::kMiddleFrame) * Rows(constants, layout::kRootPosition);
   Vec velocity = clamp.velocity, spin = clamp.spin;
   for (int Q = 0; Q < N; ++Q) {
-    const Element& e = scratch[Q];
+    Element& e = scratch[Q];
     const V length = Row(element_constants, layout::kLength), size = unit * length;
     const Vec v = e.R * Rows(state, layout::kRates), B = e.B();
     const Field along = FieldOf(e, length, spin, v);
@@ -73,6 +73,7 @@ void StrandStep<T, W>::Approach(int N, const int* first_point, const T* constant
     }
     left += size * (e.R.n0 + e.c2 * e.A + e.c3 * B);
     velocity += along.At(All(1), EndShape(e));
+    e.led = velocity;
     spin += EndTurn(e.th, v, e.c2, e.c3);
     element_constants += layout::kConstantsPerElement * layout::kLanes;
     state += layout::kStatePerElement * layout::kLanes;
@@ -137,7 +138,7 @@ void WoundStep<T, W>::Approach(int N, const int* first_point, const T* constants
              (unit * Row(own, layout::kRadius)) * clamp.root.n2;
   Vec velocity = clamp.velocity, spin = clamp.spin;
   for (int Q = 0; Q < N; ++Q) {
-    const Element& e = scratch[Q];
+    Element& e = scratch[Q];
     const V length = Row(own, layout::kLength), size = unit * length * e.axis.stretch;
     V v[n];
     for (int i = 0; i < n; ++i) v[i] = Row(state, layout::kUnknownRates + i);
@@ -164,6 +165,7 @@ void WoundStep<T, W>::Approach(int N, const int* first_point, const T* constants
     }
     left += size * (e.R.n0 + e.c2 * e.A + e.c3 * B);
     velocity += along.At(All(1), EndShape(e));
+    e.led = velocity;
     spin += EndTurn(e.th, turn, e.c2, e.c3);
     own += layout::kConstantsPerWoundElement * layout::kLanes;
     state += layout::kStatePerWoundElement * layout::kLanes;

@@ -2,6 +2,7 @@
 //   oracle       a plain strand's step equals Step with the same loads
 //   no loads     the step without, to rounding
 //   points       lie on the centreline at the extrapolated shape; their velocities are its change
+//   straight     points end where the step's velocities lead but for what it says of that
 //   reciprocity  a push at a moves b along a direction as much as one at b along that moves a
 //   digits       what holds points by far leaves float32 the soft directions
 //   stop         what presses hard keeps its point at the surface's speed, and nothing bounces off
@@ -92,11 +93,13 @@ class Solver {
     rows[layout::kSurfaceSpeed].lane[lane] = static_cast<T>(load.surface_speed);
   }
   void Solve(std::span<const Row<T>> state, std::span<Row<T>> next) {
-    Row<T> size, turning;
+    Row<T> size;
     kernels_.solve(block_.elements, first_point_.data(), batch_.constants(block_), drive_[0].lane,
                    state[block_.state].lane, loads_[0].lane, loaded_.data(), watched_.data(),
-                   bytes_, next[block_.state].lane, velocities_[0].lane, size.lane, turning.lane);
+                   bytes_, next[block_.state].lane, velocities_[0].lane, size.lane, turning_.lane);
   }
+  // By which joints leave the straight lines of the step [m/s^2].
+  double Turning(int lane) const { return turning_.lane[lane]; }
   Vector3d Point(int point, int lane, int row) const {
     return At(points_, point * layout::kPointRows + row, lane);
   }
@@ -113,6 +116,7 @@ class Solver {
   std::array<Row<T>, layout::kDriveRows> drive_;
   std::vector<Row<T>> points_, loads_, velocities_;
   std::vector<unsigned char> loaded_, watched_;
+  Row<T> turning_;
   BatchScratch scratch_;
   void* bytes_;
 };
@@ -322,6 +326,45 @@ TYPED_TEST(BatchLoadsTest, VelocitiesOfPointsAreTheChangeOfTheirPositions) {
     Random random(6);
     ExpectVelocitiesToBeTheChangeOfPositions(kernels, PlainStrands<TypeParam>(random, 4, 2));
     ExpectVelocitiesToBeTheChangeOfPositions(kernels, WoundStrands<TypeParam>(random, 4));
+  });
+}
+
+// Strands that swing wildly, and other than they did. What an element does by its own bend, which
+// is not counted, is as much as the rest at most.
+template <typename T, typename Pack>
+void ExpectStraightLinesButForTurning(const KernelTable<T>& kernels, Pack packed) {
+  if constexpr (std::is_same_v<T, double>) {
+    const double dt = 1e-3;
+    const math::Pose head = Random(11).Pose();
+    Solver<T> solver(kernels, packed.batch(), {head, head, dt}, {});
+    solver.Approach(packed.state());
+    std::vector<Row<T>> next(packed.state().size());
+    solver.Solve(packed.state(), next);
+    Solver<T> end(kernels, packed.batch(), {head, head, 1e-12}, {});
+    end.Approach(next);
+    for (int lane = 0; lane < kLanes; ++lane) {
+      double farthest = 0;
+      for (int point = 0; point < PointCount(packed.batch().blocks()[0].elements); ++point) {
+        if (Where(point).fraction < 1) continue;
+        const Vector3d leads = dt * (solver.Velocity(point, lane) -
+                                     kTheta * solver.Point(point, lane, layout::kLastVelocity));
+        const Vector3d went = end.Point(point, lane, layout::kPosition) -
+                              solver.Point(point, lane, layout::kPosition);
+        farthest = std::max(farthest, (went - leads).norm());
+      }
+      EXPECT_GT(farthest, 1e-6);
+      const double said = 0.5 * dt * dt * solver.Turning(lane);
+      EXPECT_GT(said, 0.6 * farthest) << "lane " << lane;
+      EXPECT_LT(said, 2 * farthest) << "lane " << lane;
+    }
+  }
+}
+
+TYPED_TEST(BatchLoadsTest, StepsLeaveStraightLinesByWhatTheySay) {
+  this->ForEveryIsa([&](const KernelTable<TypeParam>& kernels) {
+    Random random(23);
+    ExpectStraightLinesButForTurning(kernels, PlainStrands<TypeParam>(random, 6, 0.5));
+    ExpectStraightLinesButForTurning(kernels, WoundStrands<TypeParam>(random, 6));
   });
 }
 

@@ -225,14 +225,24 @@ struct Recursion : StumpffOf<T, W> {
     return k + (friction > least ? friction : least);
   }
 
-  /// Adds to the acceleration by which joints leave straight lines that of an element that turns
-  /// with `spin`, while its right end gains `faster` on its left one; `most` is the largest square.
-  [[gnu::always_inline]] static void AddTurning(const Vec& spin, const Vec& faster, Vec& leaves,
-                                                V& most) {
-    leaves += Cross(spin, faster);
-    const V square = Dot(leaves, leaves);
-    most = square > most ? square : most;
-  }
+  /// How the right ends of elements leave the straight lines of a step (S16), from root to tip.
+  struct Turning {
+    Vec velocity, spin;      // Of an element's left end over what led to the linearisation.
+    Vec swings{}, leaves{};  // Twice the accelerations of its spin and of itself.
+    V most{};                // Largest square of the latter.
+
+    explicit Turning(const Clamp& clamp)
+        : velocity(All(1 - kTheta) * clamp.velocity), spin(All(1 - kTheta) * clamp.spin) {}
+    /// `chord` leads to the right end, which has the others.
+    void Add(const Vec& right_velocity, const Vec& right_spin, const Vec& chord) {
+      const Vec swung = Cross(spin, right_spin - spin);
+      leaves += Cross(spin + right_spin, right_velocity - velocity) + Cross(swings + swung, chord);
+      swings += All(2) * swung;
+      velocity = right_velocity, spin = right_spin;
+      const V square = Dot(leaves, leaves);
+      most = square > most ? square : most;
+    }
+  };
 
   /// What the angles' rates v turn the right end by: T v, T = 1 + c2 [th] + c3 [th]^2 (H5).
   [[gnu::always_inline]] static Vec EndTurn(const Vec& th, const Vec& v, const V& c2, const V& c3) {

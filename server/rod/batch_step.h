@@ -33,6 +33,7 @@ class StrandStep : Recursion<T, W> {
   using typename Base::Field;
   using typename Base::NoLoads;
   using typename Base::PointLoad;
+  using typename Base::Turning;
   using typename Base::V;
   using typename Base::Vec;
 
@@ -43,6 +44,7 @@ class StrandStep : Recursion<T, W> {
     Frame<V> R;            // Left frame at the linearisation.
     Vec th, A;             // theta, theta x d0; B = theta x A = tau theta - zeta d0.
     Vec spin;              // Right end's extrapolated angular velocity.
+    Vec led;               // What led the right end there (Approach).
     V tau, zeta;           // theta.d0, |theta|^2
     V c2, c3, c4, c5, c6;  // c_n(zeta)
     // Of an element of length 1, by combinations of the Gauss points; phi1 is kNode.
@@ -388,13 +390,18 @@ template <typename LoadsOf>
 
   const V dt = Row(drive, layout::kDuration);
   Vec velocity = clamp.velocity, spin = clamp.spin;
-  V sum{}, largest{}, most{};
-  Vec leaves{};  // Twice the acceleration of the right end (S16).
+  V sum{}, largest{};
+  Turning turned(clamp);
   for (int Q = 0; Q < N; ++Q) {
-    const Vec from = velocity, turns = spin;
-    sum += Advance(dt, element_constants + Q * kConstants, loads_of(Q), scratch[Q], velocity, spin,
-                   state + Q * kState, next + Q * kState);
-    Base::AddTurning(turns + spin, velocity - from, leaves, most);
+    const T* const own = element_constants + Q * kConstants;
+    sum += Advance(dt, own, loads_of(Q), scratch[Q], velocity, spin, state + Q * kState,
+                   next + Q * kState);
+    if (turning != nullptr) {
+      const Element& e = scratch[Q];
+      const V length = Row(own, layout::kLength);
+      turned.Add(velocity - All(kTheta) * e.led, spin - All(kTheta) * e.spin,
+                 length * (e.R.n0 + e.c2 * e.A + e.c3 * e.B()));
+    }
     const Vec q = Rows(next + Q * kState, layout::kAngles);
     const V square = Dot(q, q);
     largest = square > largest ? square : largest;
@@ -403,7 +410,7 @@ template <typename LoadsOf>
   simd::MANE_ISA::Store(finite ? largest : All(1e30), size);
   if (turning == nullptr) return;
   const V half = T(0.5) * Row(constants, layout::kUnit);
-  simd::MANE_ISA::Store(half * simd::MANE_ISA::Sqrt(most), turning);
+  simd::MANE_ISA::Store(half * simd::MANE_ISA::Sqrt(turned.most), turning);
 }
 
 template <typename T, int W>

@@ -34,6 +34,7 @@ class WoundStep : WoundAxis<T, W> {
   using typename Base::Field;
   using typename Base::NoLoads;
   using typename Base::PointLoad;
+  using typename Base::Turning;
   using typename Base::V;
   using typename Base::Vec;
 
@@ -46,6 +47,7 @@ class WoundStep : WoundAxis<T, W> {
     Frame<V> R;  // Left axis frame at the linearisation.
     Vec th, A;   // R beta, th x d0
     Vec spin;    // Right end's extrapolated angular velocity.
+    Vec led;     // What led the right end there (Approach).
     Axis axis;
     V zeta;                // |beta|^2
     V c2, c3, c4, c5, c6;  // c_n(zeta)
@@ -436,13 +438,18 @@ template <typename LoadsOf>
 
   const V dt = Row(drive, layout::kDuration);
   Vec velocity = clamp.velocity, spin = clamp.spin;
-  V sum{}, largest{}, most{};
-  Vec leaves{};  // Twice the acceleration of the right end (S16).
+  V sum{}, largest{};
+  Turning turned(clamp);
   for (int Q = 0; Q < N; ++Q) {
-    const Vec from = velocity, turns = spin;
-    sum += Advance(dt, own + Q * kConstants, loads_of(Q), scratch[Q], velocity, spin,
-                   state + Q * kState, next + Q * kState);
-    Base::AddTurning(turns + spin, velocity - from, leaves, most);
+    const T* const element = own + Q * kConstants;
+    sum += Advance(dt, element, loads_of(Q), scratch[Q], velocity, spin, state + Q * kState,
+                   next + Q * kState);
+    if (turning != nullptr) {
+      const Element& e = scratch[Q];
+      const V length = e.axis.stretch * Row(element, layout::kLength);
+      turned.Add(velocity - All(kTheta) * e.led, spin - All(kTheta) * e.spin,
+                 length * (e.R.n0 + e.c2 * e.A + e.c3 * e.B()));
+    }
     V square{};
     for (int i = 0; i < n; ++i) {
       const V x = Row(next + Q * kState, layout::kUnknowns + i);
@@ -454,7 +461,7 @@ template <typename LoadsOf>
   simd::MANE_ISA::Store(finite ? largest : All(1e30), size);
   if (turning == nullptr) return;
   const V half = T(0.5) * Row(constants, layout::kUnit);
-  simd::MANE_ISA::Store(half * simd::MANE_ISA::Sqrt(most), turning);
+  simd::MANE_ISA::Store(half * simd::MANE_ISA::Sqrt(turned.most), turning);
 }
 
 template <typename T, int W>
