@@ -36,9 +36,11 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
       const Vec at = TransposeTimes(R, x), moved = at - Rows(seen, kSeenAt);
       const V way2 = Dot(moved, moved);
       // Not far, and farther along than the plane seen there serves. Anything but a number is new.
-      const V reach = Reach(point, group, x, numbers);
+      const V speed = SpeedOver(point, group, x);
+      const V reach = kReach * numbers.h * speed + (kNear + 2 * kPlaneReach + numbers.surprise);
       const V distance = Row(seen, kSeenDistance), spare = distance - reach;
-      const V serves = PlaneReach(distance), limit = spare > serves ? spare : serves;
+      const V far = PlaneReach(distance), soon = kSlowReach + kSlowSteps * numbers.dt * speed;
+      const V serves = soon < far ? soon : far, limit = spare > serves ? spare : serves;
       const auto fresh = way2 < limit * limit;
       const V flag = fresh ? V{} : All(1);
       Put(at, local, 0);
@@ -143,11 +145,13 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
         // K12
         const Vec drift = Rows(touched, kDrift);
         const Vec back_again = All(-1 / (kDrawSteps * dt)) * (drift - Dot(n, drift) * n);
-        const Vec drawn = Select(holds, back_again, Vec{V{}, V{}, V{}});
+        const Vec drawn = Select(was, back_again, Vec{V{}, V{}, V{}});
         Put(drawn, meeting, kDrawn);
         const Vec across = over - towards * n - drawn;
         const V slip = Speed(across), pressing = was ? size : mass * falls;
         const V most = Coefficient(meeting, point, across, slip) * pressing;
+        const V lasting = holds ? kLasting * size : V{};
+        Put(lasting > kFaint * mass ? lasting : V{}, meeting, kBefore);
         const V hold = holds ? kHolding * mass : Rub(mass, most, slip);
         const V rub = touches ? (holds ? All(1) : All(-1)) : V{};
         any |= Load(stops ? kPressing * mass : V{}, least, rub, hold, n, surface, meeting, load,
@@ -175,12 +179,12 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
       const Vec across = over - Dot(n, over) * n - Rows(meeting, kDrawn);
       const V speed = Dot(n, u), short_of = least - speed, slip = Speed(across);
       const auto stops = (mass > 0.0F) & (short_of > 0.0F);
-      const V pressing = Pressing(meeting, speed);
+      const V pressing = Lasting(meeting, Pressing(meeting, speed));
       const V most = Coefficient(meeting, point, across, slip) * pressing;
-      const V held = kHolding * mass * slip;  // Impulse of one that is held.
-      const auto stays = (Abs(rub) > 0.5F) & (held <= most);
-      // One that was held and lets go slides by what friction no longer takes, at most (K8).
-      const V faster = rub > 0.5F ? slip + (held - most) / (mass + 1e-30F) : slip;
+      const auto stays = (Abs(rub) > 0.5F) & (kHolding * mass * slip <= most);
+      const V took = Row(load, rod::layout::kHold) * slip, over_most = took - most;
+      const V part = over_most > 0.0F ? over_most / took : V{};
+      const V faster = slip + (part * part + 1.0F / 1000) * part * took / (mass + 1e-30F);
       const V hold = stays ? kHolding * mass : Rub(mass, most, faster);
       const V next = pressing > 0.0F ? (stays ? All(1) : All(-1)) : V{};
       any |= simd::MANE_ISA::Any(Abs(next) + Abs(rub) > 0.5F);
@@ -196,11 +200,10 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
   static bool Finish(const MeetingBlock& block, const float* velocities,
                      const MeetingNumbers& numbers, bool last, float* touched) {
     V wrong{};  // 1 in lanes where any load must change.
-    const float* point = block.points;
-    const float *meeting = block.meetings, *u = velocities;
-    for (int i = 0; i < block.first_point[block.elements]; ++i,
-             point += rod::layout::kPointRows * kLanes, u += 3 * kLanes,
-             meeting += kMeetingRows * kLanes, touched += kTouchRows * kLanes) {
+    const float *meeting = block.meetings, *load = block.loads, *u = velocities;
+    for (int i = 0; i < block.first_point[block.elements]; ++i, u += 3 * kLanes,
+             meeting += kMeetingRows * kLanes, load += rod::layout::kLoadRows * kLanes,
+             touched += kTouchRows * kLanes) {
       const Vec none{V{}, V{}, V{}};
       Put(V{}, touched, kTouched);
       Put(none, touched, kDrift);
@@ -208,12 +211,16 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
 
       const Vec n = Rows(meeting, kMeetNormal), over = Rows(u, 0) - Rows(meeting, kSurface);
       const V speed = Dot(n, Rows(u, 0)), rub = Row(meeting, kRub);
-      const V pressing = Pressing(meeting, speed), sign = rub > 0.5F ? All(1) : All(-1);
+      const V now = Pressing(meeting, speed), sign = rub > 0.5F ? All(1) : All(-1);
+      const V pressing = rub > 0.5F ? Lasting(meeting, now) : now;
       const auto touches = (Abs(rub) > 0.5F) & (pressing > 0.0F);
       Put(touches ? sign * pressing : V{}, touched, kTouched);
-      const Vec drift =
-          All(numbers.dt) * (over - Dot(n, over) * n - All(kDrawSteps) * Rows(meeting, kDrawn));
-      Put(Select(touches & (rub > 0.5F), drift, none), touched, kDrift);
+      const Vec across = over - Dot(n, over) * n, drawn = Rows(meeting, kDrawn);
+      const V hold = Row(load, rod::layout::kHold), largest = kHolding * Row(meeting, kMass);
+      const Vec held = All(numbers.dt) * (across - All(kDrawSteps) * drawn);
+      const Vec slid =
+          All(kDrawSteps * numbers.dt) * (hold / (largest + 1e-30F)) * (across - drawn);
+      Put(Select(touches, Select(rub > 0.5F, held, slid), none), touched, kDrift);
       const auto pulls = Pulls(meeting, speed), falls = Falls(meeting, speed);
       wrong = (pulls | falls) ? All(1) : wrong;
     }
@@ -229,6 +236,8 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
   static constexpr float kPressing = 1e3F;
   static constexpr float kHolding = 1.6e4F;
   static constexpr float kDrawSteps = 4;      // In which what is held goes back where it was (K12).
+  static constexpr float kLasting = 0.5F;     // Of what pressed counts a step later (K14),
+  static constexpr float kFaint = 1e-4F;      // where that is more [m/s].
   static constexpr float kSoftStop = 4;       // Of what falls at last, over its own mass (K8).
   static constexpr float kLiftDepth = 1e-3F;  // At which what lifts is at its most (K9) [m].
   static constexpr float kMostSag = 3e-3F;    // Kept away for what lies between points [m],
@@ -237,6 +246,8 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
   static constexpr float kCoilSoftness = 3;
   static constexpr float kPlaneReach = 1.2e-3F;  // K7 [m]
   static constexpr float kPlaneShare = 0.3F;
+  static constexpr float kSlowReach = 5e-6F;  // Of what hardly moves [m], and how many steps of
+  static constexpr float kSlowSteps = 10;     // motion more.
   static constexpr float kSlack = 2e-2F;  // Of a velocity that K2 asks for [m/s].
   static constexpr float kNear = 4e-3F;   // Points are looked at from here on [m],
   static constexpr float kReach = 2;      // or from this many times what they move in h.
@@ -305,12 +316,10 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
   static V PlaneReach(const V& distance) {
     return kPlaneReach + (distance > 0.0F ? kPlaneShare * distance : V{});
   }
-  // How near a body must be to be looked at [m].
-  static V Reach(const float* point, const GroupMotion& group, const Vec& x,
-                 const MeetingNumbers& numbers) {
-    const Vec over = Rows(point, rod::layout::kLastVelocity) - Broadcast(group.velocity) -
-                     Cross(Broadcast(group.spin), x);
-    return kReach * numbers.h * Speed(over) + (kNear + 2 * kPlaneReach + numbers.surprise);
+  // How fast a point at `x` from the group's place moves relative to it [m/s].
+  static V SpeedOver(const float* point, const GroupMotion& group, const Vec& x) {
+    return Speed(Rows(point, rod::layout::kLastVelocity) - Broadcast(group.velocity) -
+                 Cross(Broadcast(group.spin), x));
   }
   // mu by the cosine law (K4).
   static V Coefficient(const float* meeting, const float* point, const Vec& across, const V& slip) {
@@ -381,6 +390,12 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
     const V lifting = Row(meeting, kLift) * (Row(meeting, kLiftSpeed) - speed);
     return stopping + (lifting > 0.0F ? lifting : V{});
   }
+  // What counts for the friction of a point that was held (K14): what presses it now, or what still
+  // counts of what did.
+  static V Lasting(const float* meeting, const V& pressing) {
+    const V before = Row(meeting, kBefore);
+    return pressing > before ? pressing : before;
+  }
   // Loads of a point: kept by `press` from being slower than `stop` along the normal, rubbed with
   // `hold` where `rub` is not 0, and lifted.
   static bool Load(const V& press, const V& stop, const V& rub, const V& hold, const Vec& n,
@@ -394,9 +409,7 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
     Put(press + lift, load, rod::layout::kPress);
     Put(held, load, rod::layout::kHold);
     const V along = press * stop + lift * Row(meeting, kLiftSpeed);
-    const V draws = rub > 0.5F ? held : V{};
-    Put(along * n + held * (surface - out * n) + draws * Rows(meeting, kDrawn), load,
-        rod::layout::kPush);
+    Put(along * n + held * (surface - out * n + Rows(meeting, kDrawn)), load, rod::layout::kPush);
     Put(lift > 0.0F ? Row(meeting, kLiftSpeed) : out, load, rod::layout::kSurfaceSpeed);
     const bool any = simd::MANE_ISA::Any(press + lift + held > 0.0F);
     if (any) *loaded = 1;
