@@ -178,7 +178,8 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
       const Vec u = Rows(velocities, 0), over = u - surface;
       const Vec across = over - Dot(n, over) * n - Rows(meeting, kDrawn);
       const V speed = Dot(n, u), short_of = least - speed, slip = Speed(across);
-      const auto stops = (mass > 0.0F) & (short_of > 0.0F);
+      const V stopped = Row(meeting, kStiff);
+      const auto stops = (mass > 0.0F) & (short_of > (stopped > 0.0F ? All(-kTremble) : V{}));
       const V pressing = Lasting(meeting, Pressing(meeting, speed));
       const V most = Coefficient(meeting, point, across, slip) * pressing;
       const auto stays = (Abs(rub) > 0.5F) & (kHolding * mass * slip <= most);
@@ -246,9 +247,10 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
   static constexpr float kCoilSoftness = 3;
   static constexpr float kPlaneReach = 1.2e-3F;  // K7 [m]
   static constexpr float kPlaneShare = 0.3F;
-  static constexpr float kSlowReach = 5e-6F;  // Of what hardly moves [m], and how many steps of
-  static constexpr float kSlowSteps = 10;     // motion more.
+  static constexpr float kSlowReach = 2e-6F;  // Of what hardly moves [m], and how many steps of
+  static constexpr float kSlowSteps = 4;      // motion more.
   static constexpr float kSlack = 2e-2F;  // Of a velocity that K2 asks for [m/s].
+  static constexpr float kTremble = 1e-5F;  // What rounding makes of velocities [m/s].
   static constexpr float kNear = 4e-3F;   // Points are looked at from here on [m],
   static constexpr float kReach = 2;      // or from this many times what they move in h.
   static constexpr float kFar = 1e9F;
@@ -301,7 +303,9 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
     const Vec bent = Rows(point, rod::layout::kPointRows + rod::layout::kTangent) - t;
     const Vec way = Rows(point, rod::layout::kPointRows) - Rows(point, 0);
     const V sag = 0.125F * (Dot(turned, way) + Speed(way) * Dot(bent, n + All(0.5F) * turned));
-    return (counts & (sag > 0.0F)) ? (sag < kMostSag ? sag : All(kMostSag)) : V{};
+    // Of the parabola between the two, what is below the lower one.
+    const V below = 4.0F * sag - Abs(distance - next), low = below * below / (16.0F * sag + 1e-9F);
+    return (counts & (below > 0.0F)) ? (low < kMostSag ? low : All(kMostSag)) : V{};
   }
   static V Abs(const V& x) { return x > 0.0F ? x : -x; }
   static V Speed(const Vec& u) { return simd::MANE_ISA::Sqrt(Dot(u, u) + 1e-20F); }
@@ -330,7 +334,7 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
   static auto Pulls(const float* meeting, const V& speed) {
     const V to = Row(meeting, kStopSpeed);
     const V out = Dot(Rows(meeting, kMeetNormal), Rows(meeting, kSurface));
-    return (Row(meeting, kStiff) > 0.0F) & (to < speed) & (speed < out - 1e-6F);
+    return (Row(meeting, kStiff) > 0.0F) & (to < speed - kTremble) & (speed < out - 1e-6F);
   }
   // What nothing stops, or too little, would fall in.
   static auto Falls(const float* meeting, const V& speed) {
