@@ -40,7 +40,7 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
       const V reach = kReach * numbers.h * speed + (kNear + 2 * kPlaneReach + numbers.surprise);
       const V distance = Row(seen, kSeenDistance), spare = distance - reach;
       const V far = PlaneReach(distance), soon = kSlowReach + kSlowSteps * numbers.dt * speed;
-      const V serves = soon < far ? soon : far, limit = spare > serves ? spare : serves;
+      const V serves = ((soon < far) & (distance < 3e-3F)) ? soon : far, limit = spare > serves ? spare : serves;
       const auto fresh = way2 < limit * limit;
       const V flag = fresh ? V{} : All(1);
       Put(at, local, 0);
@@ -185,7 +185,7 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
       const auto stays = (Abs(rub) > 0.5F) & (kHolding * mass * slip <= most);
       const V took = Row(load, rod::layout::kHold) * slip, over_most = took - most;
       const V part = over_most > 0.0F ? over_most / took : V{};
-      const V faster = slip + (part * part + 1.0F / 1000) * part * took / (mass + 1e-30F);
+      const V faster = slip + part * took / (1000.0F * mass + 1e-30F);
       const V hold = stays ? kHolding * mass : Rub(mass, most, faster);
       const V next = pressing > 0.0F ? (stays ? All(1) : All(-1)) : V{};
       any |= simd::MANE_ISA::Any(Abs(next) + Abs(rub) > 0.5F);
@@ -328,7 +328,8 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
   // mu by the cosine law (K4).
   static V Coefficient(const float* meeting, const float* point, const Vec& across, const V& slip) {
     const V along = Dot(Rows(point, rod::layout::kTangent), across) / slip;
-    return Row(meeting, kMeetFriction) * (1.0F + Row(meeting, kMeetAnisotropy) * along);
+    const V still = 1.0F + 0.03F * 5e-3F / (5e-3F + slip);
+    return still * Row(meeting, kMeetFriction) * (1.0F + Row(meeting, kMeetAnisotropy) * along);
   }
   // A spring that pulls its point nearer to the body.
   static auto Pulls(const float* meeting, const V& speed) {
