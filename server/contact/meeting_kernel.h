@@ -1,6 +1,6 @@
 #pragma once
 
-/// How points of a block of strands meet bodies in a step (contact.md, K1 to K13), lane by lane;
+/// How points of a block of strands meet bodies in a step (contact.md, K1 to K14), lane by lane;
 /// only for sources that define MANE_ISA.
 
 #include "contact/meeting_layout.h"
@@ -39,8 +39,10 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
       const V speed = SpeedOver(point, group, x);
       const V reach = kReach * numbers.h * speed + (kNear + 2 * kPlaneReach + numbers.surprise);
       const V distance = Row(seen, kSeenDistance), spare = distance - reach;
-      const V far = PlaneReach(distance), soon = kSlowReach + kSlowSteps * numbers.dt * speed;
-      const V serves = ((soon < far) & (distance < 3e-3F)) ? soon : far, limit = spare > serves ? spare : serves;
+      // Of what lies on a body and hardly moves, for some steps only: nothing may jump there.
+      const V far = PlaneReach(distance), slow = kSlowReach + kSlowSteps * numbers.dt * speed;
+      const V serves = ((slow < far) & (distance < kLying)) ? slow : far;
+      const V limit = spare > serves ? spare : serves;
       const auto fresh = way2 < limit * limit;
       const V flag = fresh ? V{} : All(1);
       Put(at, local, 0);
@@ -150,8 +152,6 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
         const Vec across = over - towards * n - drawn;
         const V slip = Speed(across), pressing = was ? size : mass * falls;
         const V most = Coefficient(meeting, point, across, slip) * pressing;
-        const V lasting = holds ? kLasting * size : V{};
-        Put(lasting > kFaint * mass ? lasting : V{}, meeting, kBefore);
         const V hold = holds ? kHolding * mass : Rub(mass, most, slip);
         const V rub = touches ? (holds ? All(1) : All(-1)) : V{};
         any |= Load(stops ? kPressing * mass : V{}, least, rub, hold, n, surface, meeting, load,
@@ -178,14 +178,13 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
       const Vec u = Rows(velocities, 0), over = u - surface;
       const Vec across = over - Dot(n, over) * n - Rows(meeting, kDrawn);
       const V speed = Dot(n, u), short_of = least - speed, slip = Speed(across);
-      const V stopped = Row(meeting, kStiff);
-      const auto stops = (mass > 0.0F) & (short_of > (stopped > 0.0F ? All(-kTremble) : V{}));
-      const V pressing = Lasting(meeting, Pressing(meeting, speed));
+      const auto stops = (mass > 0.0F) & (short_of > 0.0F);
+      const V pressing = Pressing(meeting, speed);
       const V most = Coefficient(meeting, point, across, slip) * pressing;
       const auto stays = (Abs(rub) > 0.5F) & (kHolding * mass * slip <= most);
-      const V took = Row(load, rod::layout::kHold) * slip, over_most = took - most;
-      const V part = over_most > 0.0F ? over_most / took : V{};
-      const V faster = slip + part * took / (1000.0F * mass + 1e-30F);
+      // What friction no longer takes makes it faster, but not as if it were alone (K8).
+      const V over_most = Row(load, rod::layout::kHold) * slip - most;
+      const V faster = over_most > 0.0F ? slip + over_most / (kLettingGo * mass + 1e-30F) : slip;
       const V hold = stays ? kHolding * mass : Rub(mass, most, faster);
       const V next = pressing > 0.0F ? (stays ? All(1) : All(-1)) : V{};
       any |= simd::MANE_ISA::Any(Abs(next) + Abs(rub) > 0.5F);
@@ -212,10 +211,10 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
 
       const Vec n = Rows(meeting, kMeetNormal), over = Rows(u, 0) - Rows(meeting, kSurface);
       const V speed = Dot(n, Rows(u, 0)), rub = Row(meeting, kRub);
-      const V now = Pressing(meeting, speed), sign = rub > 0.5F ? All(1) : All(-1);
-      const V pressing = rub > 0.5F ? Lasting(meeting, now) : now;
+      const V pressing = Pressing(meeting, speed), sign = rub > 0.5F ? All(1) : All(-1);
       const auto touches = (Abs(rub) > 0.5F) & (pressing > 0.0F);
       Put(touches ? sign * pressing : V{}, touched, kTouched);
+      // What is held creeps on; what slides is as far from where it was as what drew on it (K12).
       const Vec across = over - Dot(n, over) * n, drawn = Rows(meeting, kDrawn);
       const V hold = Row(load, rod::layout::kHold), largest = kHolding * Row(meeting, kMass);
       const Vec held = All(numbers.dt) * (across - All(kDrawSteps) * drawn);
@@ -237,22 +236,23 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
   static constexpr float kPressing = 1e3F;
   static constexpr float kHolding = 1.6e4F;
   static constexpr float kDrawSteps = 4;      // In which what is held goes back where it was (K12).
-  static constexpr float kLasting = 0.5F;     // Of what pressed counts a step later (K14),
-  static constexpr float kFaint = 1e-4F;      // where that is more [m/s].
-  static constexpr float kSoftStop = 4;       // Of what falls at last, over its own mass (K8).
-  static constexpr float kLiftDepth = 1e-3F;  // At which what lifts is at its most (K9) [m].
-  static constexpr float kMostSag = 3e-3F;    // Kept away for what lies between points [m],
-  static constexpr float kSagReach = 2e-2F;   // of those that are so near.
-  static constexpr float kJoin = 2e-3F;       // Width in which two bodies join (K13) [m].
+  static constexpr float kLettingGo = 1e3F;   // Masses that go along with one that lets go (K8).
+  static constexpr float kStillMore = 0.03F;  // Of friction at rest over that of sliding (K14),
+  static constexpr float kStillSpeed = 5e-3F;  // half of which is left at this speed [m/s].
+  static constexpr float kSoftStop = 4;        // Of what falls at last, over its own mass (K8).
+  static constexpr float kLiftDepth = 1e-3F;   // At which what lifts is at its most (K9) [m].
+  static constexpr float kMostSag = 3e-3F;     // Kept away for what lies between points [m],
+  static constexpr float kSagReach = 2e-2F;    // of those that are so near.
+  static constexpr float kJoin = 2e-3F;        // Width in which two bodies join (K13) [m].
   static constexpr float kCoilSoftness = 3;
   static constexpr float kPlaneReach = 1.2e-3F;  // K7 [m]
   static constexpr float kPlaneShare = 0.3F;
-  static constexpr float kSlowReach = 2e-6F;  // Of what hardly moves [m], and how many steps of
-  static constexpr float kSlowSteps = 4;      // motion more.
-  static constexpr float kSlack = 2e-2F;  // Of a velocity that K2 asks for [m/s].
-  static constexpr float kTremble = 1e-5F;  // What rounding makes of velocities [m/s].
-  static constexpr float kNear = 4e-3F;   // Points are looked at from here on [m],
-  static constexpr float kReach = 2;      // or from this many times what they move in h.
+  static constexpr float kLying = 3e-3F;      // Of what lies so near [m], no more than this [m]
+  static constexpr float kSlowReach = 2e-6F;  // and what it moves
+  static constexpr float kSlowSteps = 4;      // in so many steps.
+  static constexpr float kSlack = 2e-2F;      // Of a velocity that K2 asks for [m/s].
+  static constexpr float kNear = 4e-3F;       // Points are looked at from here on [m],
+  static constexpr float kReach = 2;          // or from this many times what they move in h.
   static constexpr float kFar = 1e9F;
 
   // What a point sees of a group of bodies.
@@ -325,17 +325,17 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
     return Speed(Rows(point, rod::layout::kLastVelocity) - Broadcast(group.velocity) -
                  Cross(Broadcast(group.spin), x));
   }
-  // mu by the cosine law (K4).
+  // mu by the cosine law (K4), and more of what hardly moves (K14).
   static V Coefficient(const float* meeting, const float* point, const Vec& across, const V& slip) {
     const V along = Dot(Rows(point, rod::layout::kTangent), across) / slip;
-    const V still = 1.0F + 0.03F * 5e-3F / (5e-3F + slip);
+    const V still = 1.0F + kStillMore * kStillSpeed / (kStillSpeed + slip);
     return still * Row(meeting, kMeetFriction) * (1.0F + Row(meeting, kMeetAnisotropy) * along);
   }
   // A spring that pulls its point nearer to the body.
   static auto Pulls(const float* meeting, const V& speed) {
     const V to = Row(meeting, kStopSpeed);
     const V out = Dot(Rows(meeting, kMeetNormal), Rows(meeting, kSurface));
-    return (Row(meeting, kStiff) > 0.0F) & (to < speed - kTremble) & (speed < out - 1e-6F);
+    return (Row(meeting, kStiff) > 0.0F) & (to < speed) & (speed < out - 1e-6F);
   }
   // What nothing stops, or too little, would fall in.
   static auto Falls(const float* meeting, const V& speed) {
@@ -394,12 +394,6 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
     const V stopping = short_of > 0.0F ? (stopped ? stiff : Row(meeting, kMass)) * short_of : V{};
     const V lifting = Row(meeting, kLift) * (Row(meeting, kLiftSpeed) - speed);
     return stopping + (lifting > 0.0F ? lifting : V{});
-  }
-  // What counts for the friction of a point that was held (K14): what presses it now, or what still
-  // counts of what did.
-  static V Lasting(const float* meeting, const V& pressing) {
-    const V before = Row(meeting, kBefore);
-    return pressing > before ? pressing : before;
   }
   // Loads of a point: kept by `press` from being slower than `stop` along the normal, rubbed with
   // `hold` where `rub` is not 0, and lifted.

@@ -39,8 +39,7 @@ enum Meeting : int {
   kLiftSpeed,  ///< and to which speed along the normal [m/s].
   kRub,        ///< +1 where it is held across, -1 where it slides, 0 where it touches nothing.
   kDrawn,      ///< Velocity over the surface that takes back what it has crept (K12) [m/s] (3).
-  kBefore = kDrawn + 3,  ///< What counts of what pressed it a step ago, while it is held (K14).
-  kMeetingRows           ///< Rows in all.
+  kMeetingRows = kDrawn + 3  ///< Rows in all.
 };
 
 /// How a group of bodies moves in a step: where its frame is at kTheta of the way, from the head's
