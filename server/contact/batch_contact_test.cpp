@@ -2,7 +2,6 @@
 //   incline     hair that lies across a slope stays below the angle of friction and slides above it
 //   held        what is held does not creep; what lets go is still rubbed with what friction takes
 //   planes      a body that goes on under hair without changing its place does not shake it
-//   between     hair lies on a ball wherever its points are
 //   groove      hair that several bodies touch lies still
 //   scales      friction over pressure follows the cosine law wherever hair slides
 //   energy      a body that does not move gives hair no energy, at any step
@@ -118,17 +117,6 @@ class Among {
             t,
             n.dot(push) - press * n.dot(u),
             rubs - n * n.dot(rubs)};
-  }
-  // Of the whole strand [m].
-  [[nodiscard]] double NearestTo(const Vector3d& centre, int i) const {
-    const State state = Get(i);
-    double nearest = 1e9;
-    for (int k = 0; k <= 400; ++k) {
-      const auto where = rod::Locate(*strands_[i], k * strands_[i]->TotalLength() / 400);
-      nearest = std::min(
-          nearest, (rod::PointAt(*strands_[i], roots_[i], state.theta, where).r - centre).norm());
-    }
-    return nearest;
   }
   [[nodiscard]] const rod::Batch<float>::Block& block() const { return batch_.blocks()[0]; }
   [[nodiscard]] int points() const { return first_point_.back(); }
@@ -289,27 +277,6 @@ TEST(BatchContactTest, ABallThatTurnsSlowlyDoesNotShakeTheHairOnIt) {
       if (step > 10 / kDt) fastest = std::max(fastest, (hair.Tip(0) - before).norm() / kDt);
     }
     EXPECT_LT(fastest, 2e-4) << simd::Name(isa);
-  }
-}
-
-// Stiff straight hair over a ball, one of its points above the middle, or none, or any way between.
-TEST(BatchContactTest, HairLiesOnABallWhereverItsPointsAre) {
-  for (const simd::Isa isa : simd::Supported()) {
-    constexpr double kRadius = 0.03;
-    Among hair(isa, Ellipsoid({kRadius, kRadius, kRadius}), {0, 0});
-    for (int lane = 0; lane < kLanes; ++lane) {
-      rod::Strand strand = rod::fixtures::HeavyStrand(5, 8);
-      strand.air_drag = 10 * strand.linear_density;
-      hair.Add(strand, {{-0.08 - 1e-3 * lane, kRadius + 0.002, 0}, Eigen::Quaterniond::Identity()},
-               State(strand));
-    }
-    hair.Pack();
-    for (int step = 0; step < 6 / kDt; ++step) ASSERT_EQ(hair.Step({{}, {}, kDt}, {}, {}), 0U);
-    for (int lane = 0; lane < kLanes; ++lane) {
-      const double nearest = hair.NearestTo({0, 0, 0}, lane) - kRadius;
-      EXPECT_GT(nearest, 0) << lane << " " << simd::Name(isa);
-      EXPECT_LT(nearest, 0.8e-3) << lane << " " << simd::Name(isa);
-    }
   }
 }
 

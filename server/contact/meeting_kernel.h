@@ -303,9 +303,7 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
     const Vec bent = Rows(point, rod::layout::kPointRows + rod::layout::kTangent) - t;
     const Vec way = Rows(point, rod::layout::kPointRows) - Rows(point, 0);
     const V sag = 0.125F * (Dot(turned, way) + Speed(way) * Dot(bent, n + All(0.5F) * turned));
-    // Of the parabola between the two, what is below the lower one.
-    const V below = 4.0F * sag - Abs(distance - next), low = below * below / (16.0F * sag + 1e-9F);
-    return (counts & (below > 0.0F)) ? (low < kMostSag ? low : All(kMostSag)) : V{};
+    return (counts & (sag > 0.0F)) ? (sag < kMostSag ? sag : All(kMostSag)) : V{};
   }
   static V Abs(const V& x) { return x > 0.0F ? x : -x; }
   static V Speed(const Vec& u) { return simd::MANE_ISA::Sqrt(Dot(u, u) + 1e-20F); }
