@@ -65,7 +65,7 @@ struct BatchContact {
   double surprise = 0;  ///< How far strands may move besides what they did in the last step [m].
 };
 
-/// One step of one block among bodies, in stages (contact.md, K1 to K14): Begin; Solve; Revise;
+/// One step of one block among bodies, in stages (contact.md, K1 to K15): Begin; Solve; Revise;
 /// Solve; Finish, and Solve again while it asks for that; Commit. Between them the velocities of
 /// all points may be read, and impulses set that others give.
 class BlockStep {

@@ -1,6 +1,7 @@
 // Laws of batched strands among bodies, on every instruction set:
 //   incline     hair that lies across a slope stays below the angle of friction and slides above it
-//   held        what is held does not creep
+//   held        what is held does not creep; what lets go is still rubbed with what friction takes
+//   planes      a body that goes on under hair without changing its place does not shake it
 //   groove      hair that several bodies touch lies still
 //   scales      friction over pressure follows the cosine law wherever hair slides
 //   energy      a body that does not move gives hair no energy, at any step
@@ -99,6 +100,38 @@ class Among {
       deepest = std::max(deepest, -At(shape, p).distance);
     }
     return deepest;
+  }
+  // How a point of the first lane met a body in the last solution of a step, in the kernel's units.
+  struct Meeting {
+    double rub, mass, hold;
+    Vector3d velocity, normal, tangent;
+    double pressing;    // Normal impulse,
+    Vector3d friction;  // and across.
+  };
+  [[nodiscard]] Meeting MeetingOf(int point) const {
+    const auto number = [](const std::vector<Row<float>>& rows, int row) {
+      return double{rows[row].lane[0]};
+    };
+    const auto vector = [&](const std::vector<Row<float>>& rows, int row) {
+      return Vector3d(number(rows, row), number(rows, row + 1), number(rows, row + 2));
+    };
+    const int load = point * rod::layout::kLoadRows, meeting = point * kMeetingRows;
+    const double hold = number(scratch.loads, load + rod::layout::kHold);
+    const Vector3d u = vector(scratch.velocities, 3 * point),
+                   n = vector(scratch.loads, load + rod::layout::kNormal),
+                   push = vector(scratch.loads, load + rod::layout::kPush);
+    const Vector3d t =
+        vector(scratch.points, point * rod::layout::kPointRows + rod::layout::kTangent);
+    const double press = number(scratch.loads, load + rod::layout::kPress);
+    const Vector3d rubs = push - hold * u;
+    return {number(scratch.meetings, meeting + kRub),
+            number(scratch.meetings, meeting + kMass),
+            hold,
+            u,
+            n,
+            t,
+            n.dot(push) - press * n.dot(u),
+            rubs - n * n.dot(rubs)};
   }
   [[nodiscard]] const rod::Batch<float>::Block& block() const { return batch_.blocks()[0]; }
   [[nodiscard]] int points() const { return first_point_.back(); }
@@ -206,6 +239,62 @@ TEST(BatchContactTest, WhatIsHeldDoesNotCreep) {
   }
 }
 
+// A slope that tilts ever more across curled hair: point after point reaches its limit. What lets
+// go must not leave to others what friction still takes of it, or they let go, too.
+TEST(BatchContactTest, WhatLetsGoIsStillRubbedInFull) {
+  for (const simd::Isa isa : simd::Supported()) {
+    constexpr double kMu = 0.4;
+    Lying lying(8);
+    for (int Q = 0; Q < 8; ++Q) {
+      lying.strand.natural[Q] = Vector3d(0, (Q % 2 == 0 ? 40 : -40), 25);
+    }
+    Among hair(isa, Table(), {kMu, 0});
+    hair.Add(lying.strand, lying.root, State(lying.strand));
+    hair.Pack();
+    std::vector<bool> held(hair.points(), false);
+    int let_go = 0;
+    double least = 1;
+    for (int step = 0; step < 20 / kDt; ++step) {
+      const double angle = std::max(0.0, 0.02 * (step * kDt - 5));
+      rod::Surroundings air;
+      air.gravity = 9.81 * Vector3d(0, -std::cos(angle), std::sin(angle));
+      ASSERT_EQ(hair.Step({{}, {}, kDt}, air, {}), 0U);
+      for (int i = 0; i < hair.points(); ++i) {
+        const Among::Meeting meeting = hair.MeetingOf(i);
+        if (meeting.rub < -0.5 && held[i] && step > 5 / kDt &&
+            meeting.pressing > 0.5 * 9.81 * kDt * meeting.mass) {
+          ++let_go;
+          least = std::min(least, meeting.friction.norm() / (kMu * meeting.pressing));
+        }
+        held[i] = meeting.rub > 0.5;
+      }
+    }
+    EXPECT_GT(let_go, 3) << simd::Name(isa);
+    EXPECT_GT(least, 0.3) << simd::Name(isa);
+  }
+}
+
+// Hair over a ball that turns about its centre, without friction: its place stays what it is.
+TEST(BatchContactTest, ABallThatTurnsSlowlyDoesNotShakeTheHairOnIt) {
+  for (const simd::Isa isa : simd::Supported()) {
+    Among hair(isa, Ellipsoid({0.05, 0.05, 0.05}), {0, 0});
+    rod::Strand strand = rod::fixtures::HeavyStrand(300, 8);
+    strand.air_drag = 10 * strand.linear_density;
+    hair.Add(strand, {{0, 0.0505, 0}, Eigen::Quaterniond::Identity()}, State(strand));
+    hair.Pack();
+    const auto ball = [](int step) {
+      return math::Pose{{0, 0, 0}, math::FromRotationVector({0, 0.05 * step * kDt, 0})};
+    };
+    double fastest = 0;
+    for (int step = 0; step < 16 / kDt; ++step) {
+      const Vector3d before = hair.Tip(0);
+      ASSERT_EQ(hair.Step({{}, {}, kDt}, {}, {ball(step), ball(step + 1), kDt}), 0U);
+      if (step > 10 / kDt) fastest = std::max(fastest, (hair.Tip(0) - before).norm() / kDt);
+    }
+    EXPECT_LT(fastest, 2e-4) << simd::Name(isa);
+  }
+}
+
 // The table is drawn away under hair that lies on it, in any direction.
 TEST(BatchContactTest, FrictionFollowsTheCosineLawInEveryDirection) {
   for (const simd::Isa isa : simd::Supported()) {
@@ -225,29 +314,13 @@ TEST(BatchContactTest, FrictionFollowsTheCosineLawInEveryDirection) {
         ASSERT_EQ(hair.Step({{}, {}, kDt}, {}, {at(step), at(step + 1), kDt}), 0U);
         if (step < 80) continue;  // Until it lies along and slides.
         for (int i = 0; i < hair.points(); ++i) {
-          const auto number = [&](const std::vector<Row<float>>& rows, int at_row) {
-            return double{rows[at_row].lane[0]};
-          };
-          const auto row = [&](const std::vector<Row<float>>& rows, int at_row) {
-            return Vector3d(number(rows, at_row), number(rows, at_row + 1),
-                            number(rows, at_row + 2));
-          };
-          const auto &meetings = hair.scratch.meetings, &loads = hair.scratch.loads,
-                     &velocities = hair.scratch.velocities, &points = hair.scratch.points;
-          if (number(meetings, i * kMeetingRows + kRub) > -0.5) continue;
-          const int load = i * rod::layout::kLoadRows;
+          const Among::Meeting meeting = hair.MeetingOf(i);
           // What hardly slides any more is held (K3).
-          if (number(loads, load + rod::layout::kHold) >
-              900 * number(meetings, i * kMeetingRows + kMass)) {
-            continue;
-          }
-          const Vector3d u = row(velocities, 3 * i), n = row(loads, load + rod::layout::kNormal),
-                         push = row(loads, load + rod::layout::kPush),
-                         t = row(points, i * rod::layout::kPointRows + rod::layout::kTangent);
-          const Vector3d slip = u - speed - n * n.dot(u - speed);
-          const double normal = n.dot(push) - number(loads, load + rod::layout::kPress) * n.dot(u);
-          friction_impulse += number(loads, load + rod::layout::kHold) * slip.norm();
-          expected += friction.Coefficient(slip, t) * normal;
+          if (meeting.rub > -0.5 || meeting.hold > 900 * meeting.mass) continue;
+          const Vector3d over = meeting.velocity - speed,
+                         slip = over - meeting.normal * meeting.normal.dot(over);
+          friction_impulse += meeting.hold * slip.norm();
+          expected += friction.Coefficient(slip, meeting.tangent) * meeting.pressing;
         }
       }
       EXPECT_GT(expected, 1);

@@ -1,6 +1,6 @@
 #pragma once
 
-/// How points of a block of strands meet bodies in a step (contact.md, K1 to K14), lane by lane;
+/// How points of a block of strands meet bodies in a step (contact.md, K1 to K15), lane by lane;
 /// only for sources that define MANE_ISA.
 
 #include "contact/meeting_layout.h"
@@ -36,9 +36,13 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
       const Vec at = TransposeTimes(R, x), moved = at - Rows(seen, kSeenAt);
       const V way2 = Dot(moved, moved);
       // Not far, and farther along than the plane seen there serves. Anything but a number is new.
-      const V reach = Reach(point, group, x, numbers);
+      const V speed = SpeedOver(point, group, x);
+      const V reach = kReach * numbers.h * speed + (kNear + 2 * kPlaneReach + numbers.surprise);
       const V distance = Row(seen, kSeenDistance), spare = Sure(distance) - reach;
-      const V serves = PlaneReach(distance), limit = spare > serves ? spare : serves;
+      // Of what lies on a body and hardly moves, for some steps only: nothing may jump there.
+      const V far = PlaneReach(distance), slow = kSlowReach + kSlowSteps * numbers.dt * speed;
+      const V serves = ((slow < far) & (distance < kLying)) ? slow : far;
+      const V limit = spare > serves ? spare : serves;
       const auto fresh = way2 < limit * limit;
       const V flag = fresh ? V{} : All(1);
       Put(at, local, 0);
@@ -184,7 +188,7 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
         // K12
         const Vec drift = Rows(touched, kDrift);
         const Vec back_again = All(-1 / (kDrawSteps * dt)) * (drift - Dot(n, drift) * n);
-        const Vec drawn = Select(holds, back_again, Vec{V{}, V{}, V{}});
+        const Vec drawn = Select(was, back_again, Vec{V{}, V{}, V{}});
         Put(drawn, meeting, kDrawn);
         const Vec across = over - towards * n - drawn;
         const V slip = Speed(across), pressing = was ? size : mass * falls;
@@ -218,10 +222,10 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
       const auto stops = (mass > 0.0F) & (short_of > 0.0F);
       const V pressing = Pressing(meeting, speed);
       const V most = Coefficient(meeting, point, across, slip) * pressing;
-      const V held = kHolding * mass * slip;  // Impulse of one that is held.
-      const auto stays = (Abs(rub) > 0.5F) & (held <= most);
-      // One that was held and lets go slides by what friction no longer takes, at most (K8).
-      const V faster = rub > 0.5F ? slip + (held - most) / (mass + 1e-30F) : slip;
+      const auto stays = (Abs(rub) > 0.5F) & (kHolding * mass * slip <= most);
+      // What friction no longer takes makes it faster, but not as if it were alone (K8).
+      const V over_most = Row(load, rod::layout::kHold) * slip - most;
+      const V faster = over_most > 0.0F ? slip + over_most / (kLettingGo * mass + 1e-30F) : slip;
       const V hold = stays ? kHolding * mass : Rub(mass, most, faster);
       const V next = pressing > 0.0F ? (stays ? All(1) : All(-1)) : V{};
       any |= simd::MANE_ISA::Any(Abs(next) + Abs(rub) > 0.5F);
@@ -237,11 +241,10 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
   static bool Finish(const MeetingBlock& block, const float* velocities,
                      const MeetingNumbers& numbers, bool last, float* touched) {
     V wrong{};  // 1 in lanes where any load must change.
-    const float* point = block.points;
-    const float *meeting = block.meetings, *u = velocities;
-    for (int i = 0; i < block.first_point[block.elements]; ++i,
-             point += rod::layout::kPointRows * kLanes, u += 3 * kLanes,
-             meeting += kMeetingRows * kLanes, touched += kTouchRows * kLanes) {
+    const float *meeting = block.meetings, *load = block.loads, *u = velocities;
+    for (int i = 0; i < block.first_point[block.elements]; ++i, u += 3 * kLanes,
+             meeting += kMeetingRows * kLanes, load += rod::layout::kLoadRows * kLanes,
+             touched += kTouchRows * kLanes) {
       const Vec none{V{}, V{}, V{}};
       Put(V{}, touched, kTouched);
       Put(none, touched, kDrift);
@@ -252,9 +255,13 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
       const V pressing = Pressing(meeting, speed), sign = rub > 0.5F ? All(1) : All(-1);
       const auto touches = (Abs(rub) > 0.5F) & (pressing > 0.0F);
       Put(touches ? sign * pressing : V{}, touched, kTouched);
-      const Vec drift =
-          All(numbers.dt) * (over - Dot(n, over) * n - All(kDrawSteps) * Rows(meeting, kDrawn));
-      Put(Select(touches & (rub > 0.5F), drift, none), touched, kDrift);
+      // What is held creeps on; what slides is as far from where it was as what drew on it (K12).
+      const Vec across = over - Dot(n, over) * n, drawn = Rows(meeting, kDrawn);
+      const V hold = Row(load, rod::layout::kHold), largest = kHolding * Row(meeting, kMass);
+      const Vec held = All(numbers.dt) * (across - All(kDrawSteps) * drawn);
+      const Vec slid =
+          All(kDrawSteps * numbers.dt) * (hold / (largest + 1e-30F)) * (across - drawn);
+      Put(Select(touches, Select(rub > 0.5F, held, slid), none), touched, kDrift);
       const auto pulls = Pulls(meeting, speed), falls = Falls(meeting, speed);
       wrong = (pulls | falls) ? All(1) : wrong;
     }
@@ -270,12 +277,15 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
   static constexpr float kPressing = 1e3F;
   static constexpr float kHolding = 1.6e4F;
   static constexpr float kDrawSteps = 4;      // In which what is held goes back where it was (K12).
-  static constexpr float kSoftStop = 4;       // Of what falls at last, over its own mass (K8).
-  static constexpr float kLiftDepth = 1e-3F;  // At which what lifts is at its most (K9) [m].
-  static constexpr float kMostSag = 3e-3F;    // Kept away for what lies between points [m],
-  static constexpr float kSagReach = 2e-2F;   // of those that are so near.
-  static constexpr float kSharp = 6e-4F;      // That by a bulge, bodies are looked at there [m],
-  static constexpr float kAskReach = 2e-2F;   // if both ends together are so near [m],
+  static constexpr float kLettingGo = 1e3F;   // Masses that go along with one that lets go (K8).
+  static constexpr float kStillMore = 0.03F;  // Of friction at rest over that of sliding (K15),
+  static constexpr float kStillSpeed = 5e-3F;  // half of which is left at this speed [m/s].
+  static constexpr float kSoftStop = 4;        // Of what falls at last, over its own mass (K8).
+  static constexpr float kLiftDepth = 1e-3F;   // At which what lifts is at its most (K9) [m].
+  static constexpr float kMostSag = 3e-3F;     // Kept away for what lies between points [m],
+  static constexpr float kSagReach = 2e-2F;    // of those that are so near.
+  static constexpr float kSharp = 6e-4F;       // That by a bulge, bodies are looked at there [m],
+  static constexpr float kAskReach = 2e-2F;    // if both ends together are so near [m],
   static constexpr float kEdge = 0.15F;  // but for these parts of the way next to points (K14).
   static constexpr float kJoin = 2e-3F;  // Width in which two bodies join (K13) [m].
   static constexpr float kCoilSoftness = 3;
@@ -283,6 +293,9 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
   static constexpr float kPlaneShare = 0.3F;
   static constexpr float kSure = 0.1F;           // Distances up to here are those of fields [m],
   static constexpr float kSureShare = 1.0F / 3;  // and beyond no less than this part of them (D12).
+  static constexpr float kLying = 3e-3F;         // Of what lies so near [m], no more than this [m]
+  static constexpr float kSlowReach = 2e-6F;     // and what it moves
+  static constexpr float kSlowSteps = 4;         // in so many steps.
   static constexpr float kSlack = 2e-2F;         // Of a velocity that K2 asks for [m/s].
   static constexpr float kNear = 4e-3F;          // Points are looked at from here on [m],
   static constexpr float kReach = 2;             // or from this many times what they move in h.
@@ -381,17 +394,16 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
     const V part = kSureShare * distance, least = part > kSure ? part : All(kSure);
     return distance < least ? distance : least;
   }
-  // How near a body must be to be looked at [m].
-  static V Reach(const float* point, const GroupMotion& group, const Vec& x,
-                 const MeetingNumbers& numbers) {
-    const Vec over = Rows(point, rod::layout::kLastVelocity) - Broadcast(group.velocity) -
-                     Cross(Broadcast(group.spin), x);
-    return kReach * numbers.h * Speed(over) + (kNear + 2 * kPlaneReach + numbers.surprise);
+  // How fast a point at `x` from the group's place moves relative to it [m/s].
+  static V SpeedOver(const float* point, const GroupMotion& group, const Vec& x) {
+    return Speed(Rows(point, rod::layout::kLastVelocity) - Broadcast(group.velocity) -
+                 Cross(Broadcast(group.spin), x));
   }
-  // mu by the cosine law (K4).
+  // mu by the cosine law (K4), and more of what hardly moves (K15).
   static V Coefficient(const float* meeting, const float* point, const Vec& across, const V& slip) {
     const V along = Dot(Rows(point, rod::layout::kTangent), across) / slip;
-    return Row(meeting, kMeetFriction) * (1.0F + Row(meeting, kMeetAnisotropy) * along);
+    const V still = 1.0F + kStillMore * kStillSpeed / (kStillSpeed + slip);
+    return still * Row(meeting, kMeetFriction) * (1.0F + Row(meeting, kMeetAnisotropy) * along);
   }
   // A spring that pulls its point nearer to the body.
   static auto Pulls(const float* meeting, const V& speed) {
@@ -470,9 +482,7 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
     Put(press + lift, load, rod::layout::kPress);
     Put(held, load, rod::layout::kHold);
     const V along = press * stop + lift * Row(meeting, kLiftSpeed);
-    const V draws = rub > 0.5F ? held : V{};
-    Put(along * n + held * (surface - out * n) + draws * Rows(meeting, kDrawn), load,
-        rod::layout::kPush);
+    Put(along * n + held * (surface - out * n + Rows(meeting, kDrawn)), load, rod::layout::kPush);
     Put(lift > 0.0F ? Row(meeting, kLiftSpeed) : out, load, rod::layout::kSurfaceSpeed);
     const bool any = simd::MANE_ISA::Any(press + lift + held > 0.0F);
     if (any) *loaded = 1;

@@ -17,8 +17,9 @@ enum Seen : int {
 
 /// Rows of how a point touched at the end of a step.
 enum Touch : int {
-  kTouched = 0,            ///< Its normal impulse (K8), negative where it slid.
-  kDrift = kTouched + 1,   ///< How far it has crept since it is held, world [m] (3) (K12).
+  kTouched = 0,           ///< Its normal impulse (K8), negative where it slid.
+  kDrift = kTouched + 1,  ///< How far it has crept since it is held, or would have to be drawn back
+                          ///< as it is rubbed where it slides, world [m] (3) (K12).
   kTouchRows = kDrift + 3  ///< Rows in all.
 };
 
@@ -42,7 +43,7 @@ enum Meeting : int {
   kLift,       ///< What lifts it out, per speed that it lacks (K9) [rho S l0],
   kLiftSpeed,  ///< and to which speed along the normal [m/s].
   kRub,        ///< +1 where it is held across, -1 where it slides, 0 where it touches nothing.
-  kDrawn,      ///< Velocity over the surface that takes back what it has crept (K12) [m/s] (3).
+  kDrawn,      ///< Velocity over the surface that takes back kDrift (K12) [m/s] (3).
   kMeetingRows = kDrawn + 3  ///< Rows in all.
 };
 

@@ -2,7 +2,7 @@
 //   depth    no point of any hair is deeper than 1 mm in a head that stands, in gusts of wind, nor
 //            deeper than 3 mm in one that walks or in the shoulders that walk with it
 //   swing    nor in arms that swing past a chest
-//   rest     hair that lies on a head lies still, but for few that let go, in steps of any size
+//   rest     hair that lies on a head lies still, in steps of any size
 //   reset    hair lies where it did at first, and goes on the same way
 //   bits     are the same for any number of workers, and from a copy of the state
 //   freedom  bodies out of reach change nothing
@@ -253,7 +253,7 @@ TEST_F(ContactTest, HairAtRestStaysAtRestInStepsOfAnySize) {
       }
       before = now;
     }
-    EXPECT_LT(fastest, 0.02) << substeps;
+    EXPECT_LT(fastest, 1e-3) << substeps;
   }
 }
 
@@ -284,19 +284,17 @@ TEST_F(ContactTest, HairThatLiesOnAHeadLiesStill) {
     StartContact(*groom, BodiesOf(*groom), &state);
     for (int i = 0; i < 5 * 60; ++i) Advance(*groom, {{}, 1 / 60.0, 1}, {}, &state, pool_);
     std::vector<Vector3d> before = Points(*groom, state, pool_);
-    std::vector<double> fastest(groom->guide_count(), 0);  // Tip of each guide within a second.
-    for (int i = 0; i < 60; ++i) {
+    double fastest = 0;
+    for (int i = 0; i < 5 * 60; ++i) {
       Advance(*groom, {{}, 1 / 60.0, 1}, {}, &state, pool_);
       const std::vector<Vector3d> now = Points(*groom, state, pool_);
       for (int g = 0; g < groom->guide_count(); ++g) {
         const int tip = g * kPoints + kPoints - 1;
-        fastest[g] = std::max(fastest[g], 60 * (now[tip] - before[tip]).norm());
+        fastest = std::max(fastest, 60 * (now[tip] - before[tip]).norm());
       }
       before = now;
     }
-    std::ranges::sort(fastest);
-    EXPECT_LT(fastest[fastest.size() * 95 / 100], 1e-3);
-    EXPECT_LT(fastest.back(), 3e-3);  // One lets go now and then.
+    EXPECT_LT(fastest, 1e-3);
   }
 }
 

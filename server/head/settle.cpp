@@ -7,14 +7,21 @@
 
 #include "head/head.h"
 #include "head/kernels.h"
+#include "head/points.h"
 #include "head/wisps.h"
 #include "math/rigid.h"
 
 namespace mane::head {
 namespace {
 
-constexpr double kTime = 10;     // [s]
-constexpr double kDamping = 10;  // Rate at which air stops free hair [1/s]: next to critical.
+constexpr double kThickTime = 10;  // [s]
+constexpr double kDamping = 10;    // Rate at which air stops free hair [1/s]: next to critical.
+// Thick air makes what slides slow as well. So then all goes on in its own air until it rests, this
+// long at most [s]:
+constexpr double kOwnTime = 20;
+constexpr double kWatch = 1;             // until in so long [s]
+constexpr float kRestingWay = 2e-4F;     // tips come no farther [m],
+constexpr int kGuidesToOneMoving = 200;  // but for one in so many, as of many some always slide.
 
 // Hair that lies deeper in a body at rest starts from its natural shape [m].
 constexpr double kDeep = 3e-3;
@@ -96,6 +103,34 @@ double DragScale(const groom::Groom& groom) {
   return std::max(1.0, kDamping / std::max(least, 1e-3));
 }
 
+// Where the tips of all guides are (guides).
+std::vector<Eigen::Vector3f> Tips(const groom::Groom& groom, const HeadState& state) {
+  std::vector<Eigen::Vector3f> tips(groom.guide_count());
+  PointScratch scratch;
+  for (const auto& block : groom.batch.blocks()) {
+    ForRodPoints(
+        groom, block, state.guides, state.pose, 2, scratch,
+        [&](int guide, std::span<const Eigen::Vector3f> points) { tips[guide] = points.back(); });
+  }
+  return tips;
+}
+
+bool Rests(const std::vector<Eigen::Vector3f>& before, const std::vector<Eigen::Vector3f>& now) {
+  int moving = 0;
+  for (size_t i = 0; i < now.size(); ++i) moving += (now[i] - before[i]).norm() > kRestingWay;
+  return moving <= std::ssize(now) / kGuidesToOneMoving;
+}
+
+Result<void> Pass(const groom::Groom& groom, const Environment& air, double time, HeadState* state,
+                  exec::WorkerPool& pool, const base::Cancelled& cancelled) {
+  const int steps = static_cast<int>(time / kLongestStep);
+  for (int i = 0; i < steps; ++i) {
+    if (base::IsCancelled(cancelled)) return base::CancelledError();
+    Advance(groom, {math::Pose{}, kLongestStep, 1}, air, state, pool);
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<void> Settle(const groom::Groom& groom, const std::shared_ptr<Bodies>& bodies,
@@ -107,12 +142,14 @@ Result<void> Settle(const groom::Groom& groom, const std::shared_ptr<Bodies>& bo
   }
   StartContact(groom, bodies, &state);
   LiftDeepGuides(groom, &state);
-  Environment air;
-  air.air_drag_scale = DragScale(groom);
-  const int steps = static_cast<int>(kTime / kLongestStep);
-  for (int i = 0; i < steps; ++i) {
-    if (base::IsCancelled(cancelled)) return base::CancelledError();
-    Advance(groom, {math::Pose{}, kLongestStep, 1}, air, &state, pool);
+  Environment thick;
+  thick.air_drag_scale = DragScale(groom);
+  if (auto done = Pass(groom, thick, kThickTime, &state, pool, cancelled); !done) return done;
+  std::vector<Eigen::Vector3f> tips = Tips(groom, state), before;
+  for (double time = 0; time < kOwnTime && (before.empty() || !Rests(before, tips));
+       time += kWatch) {
+    if (auto done = Pass(groom, {}, kWatch, &state, pool, cancelled); !done) return done;
+    before = std::exchange(tips, Tips(groom, state));
   }
   std::vector<double> coordinates = Coordinates(groom, state);
   for (int guide = 0; guide < groom.guide_count(); ++guide) {

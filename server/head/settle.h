@@ -12,8 +12,8 @@
 namespace mane::head {
 
 /// The shape in which hair of `groom` lies still among `bodies` on an upright head: its rest shape
-/// settles in thick air; where that leads through a body, hair falls on it from its natural shape,
-/// or, where that does, too, from above.
+/// settles in thick air, then in its own; where it leads through a body, hair falls on it from its
+/// natural shape, or, where that does, too, from above.
 /// A function of the groom and the bodies alone. Sets Bodies::settled, standing still, and
 /// Bodies::settled_memory.
 ///
