@@ -252,6 +252,16 @@ void BlockStep::LookBetween(size_t g, const Row<float>* seen) {
   }
 }
 
+void BlockStep::ExpectSolve() const {
+  const auto expect = [](const void* from, size_t bytes) {
+    for (size_t i = 0; i < bytes; i += 64) {
+      __builtin_prefetch(static_cast<const char*>(from) + i, 1, 2);
+    }
+  };
+  expect(bytes_, kernels_.approach_scratch(block_.elements, points_));
+  expect(scratch_.loads.data(), static_cast<size_t>(points_) * rod::layout::kLoadRows * 64);
+}
+
 void BlockStep::Solve() {
   kernels_.solve(block_.elements, first_point_.data(), constants_, drive_[0].lane, state_[0].lane,
                  scratch_.loads[0].lane, scratch_.loaded.data(), scratch_.watched.data(), bytes_,

@@ -84,6 +84,8 @@ class BlockStep {
   /// Where the strands are, what they meet, and the loads of the first solution.
   void Begin();
   void Solve();
+  /// Asks for what Solve reads, which comes while the processor works on another block.
+  void ExpectSolve() const;
   /// Loads of the second. @return whether any differ.
   [[nodiscard]] bool Revise();
   /// @return whether to solve again; at most kCorrections times.

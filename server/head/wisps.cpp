@@ -167,6 +167,7 @@ void StepAmongWisps(const groom::Groom& groom, const WispStep& step,
       for_points(i, kLanes, [&](int point, int lane, int index) {
         own_step.SetImpulse(point, lane, memory.impulse.At(index) + memory.volume.At(index));
       });
+      if (i + 1 < count) memory.steps[i + 1]->ExpectSolve();
       own_step.Solve();
       if (pass == 0) (void)own_step.Revise();
       for_points(i, blocks[i].count, [&](int point, int lane, int index) {
