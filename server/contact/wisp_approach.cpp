@@ -87,8 +87,8 @@ void FindApproaches(const WispPoints& points, const WispStep& step, const WispSc
 void Walk(const WispPoints& points, const WispStep& step, const WispScratch& scratch,
           std::span<Contact> contacts, WalkScratch& walk) {
   auto& [walking, next, next_of] = walk;
-  KeepRoom(walking, contacts.size());
   walking.resize(contacts.size());
+  KeepRoom(walking), KeepRoom(next), KeepRoom(next_of);
   for (size_t i = 0; i < contacts.size(); ++i) walking[i] = static_cast<int32_t>(i);
   for (int steps = 0; steps < kSteps && !walking.empty(); ++steps) {
     next.clear(), next_of.clear();

@@ -14,15 +14,12 @@ inline constexpr float kMargin = 0.25f;
 
 inline constexpr float kUnknown = -1;  ///< Slack of what has to be looked at [m].
 
-/// Leaves room for some more than `size`, so that a list need not grow in every step that finds a
+/// Leaves room for some more than a list has, so that it need not grow in every step that finds a
 /// few more.
 template <typename T>
-void KeepRoom(std::vector<T>& list, size_t size) {
-  if (5 * size > 4 * list.capacity()) list.reserve(2 * size);
-}
-template <typename T>
 void KeepRoom(std::vector<T>& list) {
-  KeepRoom(list, list.size());
+  const size_t size = std::max<size_t>(list.size(), 64);
+  if (5 * size > 4 * list.capacity()) list.reserve(2 * size);
 }
 
 /// Of two guides' wisps [m].
