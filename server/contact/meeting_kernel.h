@@ -367,7 +367,8 @@ class Meetings : simd::MANE_ISA::Lanewise<float, W> {
   // surface bulges there, and the strand bends towards it (K10) [m].
   static V Sag(const float* point, const float* meeting) {
     // What has been looked at is known.
-    const auto counts = (Farther(meeting) < kSagReach) & (Row(meeting, kMiddle) >= kFar);
+    const V farther = Farther(meeting), middle = Row(meeting, kMiddle);
+    const auto counts = (farther < kSagReach) & (middle >= kFar);
     if (!simd::MANE_ISA::Any(counts)) return V{};
     const Vec n = Rows(meeting, kMeetNormal), t = Rows(point, rod::layout::kTangent);
     const Vec turned = Rows(meeting, kMeetingRows + kMeetNormal) - n;

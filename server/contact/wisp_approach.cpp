@@ -16,8 +16,8 @@ using Approaches = std::array<simd::Row<float>, kApproachRows>;
 
 constexpr int kSteps = 5;  // That a walk takes at most.
 
-void Put(const Vector3f& v, int row, size_t lane, SegmentRows& rows) {
-  for (int k = 0; k < 3; ++k) rows[static_cast<size_t>(row + k)].lane[lane] = v[k];
+void Put(const Vector3f& v, size_t row, size_t lane, SegmentRows& rows) {
+  for (int k = 0; k < 3; ++k) rows[row++].lane[lane] = v[k];
 }
 
 Vector3f Get(const Approaches& rows, int row, size_t lane) {
@@ -65,8 +65,8 @@ void FindApproaches(const WispPoints& points, const WispStep& step, const WispSc
   for (size_t first = 0; first < contacts.size(); first += kLanes) {
     const auto some = contacts.subspan(first, std::min<size_t>(kLanes, contacts.size() - first));
     for (size_t lane = 0; lane < some.size(); ++lane) {
-      for (int end = 0; end < 4; ++end) {
-        const auto p = static_cast<size_t>(some[lane].point[end / 2] + end % 2);
+      for (size_t end = 0; end < 4; ++end) {
+        const auto p = static_cast<size_t>(some[lane].point[end / 2]) + end % 2;
         Put(scratch.start[p], kEnds + 3 * end, lane, segments);
         Put(points.velocity[p], kMotion + 3 * end, lane, segments);
       }
@@ -86,7 +86,9 @@ void FindApproaches(const WispPoints& points, const WispStep& step, const WispSc
 
 void Walk(const WispPoints& points, const WispStep& step, const WispScratch& scratch,
           std::span<Contact> contacts, WalkScratch& walk) {
-  auto& [walking, next, next_of] = walk;
+  auto& walking = walk.walking;
+  auto& next = walk.next;
+  auto& next_of = walk.next_of;
   walking.resize(contacts.size());
   KeepRoom(walking), KeepRoom(next), KeepRoom(next_of);
   for (size_t i = 0; i < contacts.size(); ++i) walking[i] = static_cast<int32_t>(i);

@@ -365,10 +365,11 @@ void DropSame(size_t begin, std::vector<Contact>& contacts) {
   const auto key = [](const Contact& contact) {
     return std::tie(contact.guide[1], contact.point[0], contact.point[1]);
   };
-  const std::span<Contact> all = std::span(contacts).subspan(begin);
-  std::ranges::sort(all, {}, key);
-  const auto same = std::ranges::unique(all, {}, key);
-  contacts.resize(contacts.size() - same.size());
+  const auto first = contacts.begin() + static_cast<ptrdiff_t>(begin);
+  std::sort(first, contacts.end(),
+            [&](const Contact& a, const Contact& b) { return key(a) < key(b); });
+  const auto same = [&](const Contact& a, const Contact& b) { return key(a) == key(b); };
+  contacts.erase(std::unique(first, contacts.end(), same), contacts.end());
 }
 
 }  // namespace
