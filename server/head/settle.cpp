@@ -20,7 +20,7 @@ constexpr double kDamping = 10;    // Rate at which air stops free hair [1/s]: n
 // long at most [s]:
 constexpr double kOwnTime = 20;
 constexpr double kWatch = 1;             // until in so long [s]
-constexpr float kRestingWay = 2e-4F;     // tips come no farther [m],
+constexpr float kRestingWay = 2e-5F;     // tips come no farther [m]: what creeps may yet fall,
 constexpr int kGuidesToOneMoving = 200;  // but for one in so many, as of many some always slide.
 
 // Hair that lies deeper in a body at rest starts from its natural shape [m].
