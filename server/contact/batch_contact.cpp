@@ -17,6 +17,8 @@ using Block = rod::Batch<float>::Block;
 constexpr double kPointSpacing = 0.015;  // [m]
 constexpr double kLargestBulge = 2e-3;   // Of curled hair between two points [m].
 constexpr int kMostPoints = 10;
+// Normals that face each other by more than that have no mean: their sum is shorter.
+constexpr float kOpposite = 0.1F;
 
 void Reserve(const Block& block, size_t points, BatchContactScratch* scratch) {
   const auto grow = [](size_t size, auto* list) {
@@ -230,19 +232,21 @@ void BlockStep::LookBetween(size_t g, const Row<float>* seen) {
   const size_t n = Gather(scratch_.places, points_, kLanes, &scratch_);
   AtPlaces(*contact_.groups[g], n, &scratch_);
   const Eigen::Map<const Eigen::Matrix3f> R(motion.frame);
-  const Eigen::Map<const Eigen::Vector3f> p(motion.position), v(motion.velocity), w(motion.spin);
+  const Eigen::Map<const Eigen::Vector3f> v(motion.velocity), w(motion.spin);
   for (size_t j = 0; j < n; ++j) {
     const uint32_t point = scratch_.place[j] / kLanes, lane = scratch_.place[j] % kLanes;
     Row<float>* const rows = &scratch_.meetings[point * kMeetingRows];
     if (scratch_.distance[j] >= rows[kMiddle].lane[lane]) continue;
-    rows[kMiddle].lane[lane] = scratch_.distance[j];
     // Ends that face each other through a thin body say where its rim is.
     const auto normal = [&](const Row<float>* of) {
       return Eigen::Vector3f(of[kSeenNormal].lane[lane], of[kSeenNormal + 1].lane[lane],
                              of[kSeenNormal + 2].lane[lane]);
     };
     const Row<float>* const of = seen + point * kSeenRows;
-    const Eigen::Vector3f out = R * (normal(of) + normal(of + kSeenRows)).normalized();
+    const Eigen::Vector3f sum = normal(of) + normal(of + kSeenRows);
+    if (!(sum.norm() > kOpposite)) continue;
+    rows[kMiddle].lane[lane] = scratch_.distance[j];
+    const Eigen::Vector3f out = R * sum.normalized();
     const Eigen::Vector3f at(scratch_.x[j], scratch_.y[j], scratch_.z[j]);
     const Eigen::Vector3f surface = v + w.cross(R * at);
     for (int i = 0; i < 3; ++i) {
@@ -255,7 +259,7 @@ void BlockStep::LookBetween(size_t g, const Row<float>* seen) {
 void BlockStep::ExpectSolve() const {
   const auto expect = [](const void* from, size_t bytes) {
     for (size_t i = 0; i < bytes; i += 64) {
-      __builtin_prefetch(static_cast<const char*>(from) + i, 1, 2);
+      __builtin_prefetch(static_cast<const char*>(from) + i, 0, 2);
     }
   };
   expect(bytes_, kernels_.approach_scratch(block_.elements, points_));

@@ -21,9 +21,7 @@ namespace mane::head {
 /// The wisps that guides stand for, with the points at which they meet (contact/wisp_points.h):
 /// those of BlockStep, guide after guide.
 struct Wisps {
-  /// Guides are in the order of the batch's blocks and lanes, where neighbours are near each other.
-  std::vector<int32_t> first_guide;      ///< Of each block, (blocks).
-  std::vector<int32_t> first;            ///< Point of each guide, and their number (guides + 1).
+  std::vector<int32_t> first;            ///< (guides + 1)
   std::vector<float> radius, curliness;  ///< (guides)
   std::vector<float> mass;               ///< (points)
   std::vector<float> x, y, z;            ///< Where points are at rest, head's frame (points) [m].

@@ -19,8 +19,9 @@ constexpr double kDamping = 10;    // Rate at which air stops free hair [1/s]: n
 // Thick air makes what slides slow as well. So then all goes on in its own air until it rests, this
 // long at most [s]:
 constexpr double kOwnTime = 20;
+constexpr double kOwnSteps = 2e7;        // of large grooms for so many steps of an element in all,
 constexpr double kWatch = 1;             // until in so long [s]
-constexpr float kRestingWay = 2e-5F;     // tips come no farther [m]: what creeps may yet fall,
+constexpr float kRestingWay = 5e-6F;     // tips come no farther [m]: what creeps may yet fall,
 constexpr int kGuidesToOneMoving = 200;  // but for one in so many, as of many some always slide.
 
 // Hair that lies deeper in a body at rest starts from its natural shape [m].
@@ -145,11 +146,17 @@ Result<void> Settle(const groom::Groom& groom, const std::shared_ptr<Bodies>& bo
   Environment thick;
   thick.air_drag_scale = DragScale(groom);
   if (auto done = Pass(groom, thick, kThickTime, &state, pool, cancelled); !done) return done;
-  std::vector<Eigen::Vector3f> tips = Tips(groom, state), before;
-  for (double time = 0; time < kOwnTime && (before.empty() || !Rests(before, tips));
-       time += kWatch) {
-    if (auto done = Pass(groom, {}, kWatch, &state, pool, cancelled); !done) return done;
-    before = std::exchange(tips, Tips(groom, state));
+  const double longest =
+      std::min(kOwnTime, kOwnSteps / SteppedElements(groom, state) * kLongestStep);
+  bool rests = false;
+  for (double time = 0; time < longest && !rests; time += kWatch) {
+    const std::vector<Eigen::Vector3f> before = Tips(groom, state);
+    rests = true;
+    // Twice, lest what swings is seen where it was.
+    for (const double part : {0.4, 0.6}) {
+      if (auto done = Pass(groom, {}, part * kWatch, &state, pool, cancelled); !done) return done;
+      rests = rests && Rests(before, Tips(groom, state));
+    }
   }
   std::vector<double> coordinates = Coordinates(groom, state);
   for (int guide = 0; guide < groom.guide_count(); ++guide) {

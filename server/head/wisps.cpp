@@ -44,9 +44,9 @@ struct Memory {
 template <typename Visit>
 void ForPoints(const groom::Groom& groom, const Wisps& wisps, int i, const BlockStep& step,
                int lanes, const Visit& visit) {
-  const int last = groom.batch.blocks()[i].count - 1;
+  const auto& block = groom.batch.blocks()[i];
   for (int lane = 0; lane < lanes; ++lane) {
-    const int first = wisps.first[wisps.first_guide[i] + std::min(lane, last)];
+    const int first = wisps.first[block.strands[lane]];
     for (int point = 0; point < step.points(); ++point) visit(point, lane, first + point);
   }
 }
@@ -71,16 +71,19 @@ Wisps MakeWisps(const groom::Groom& groom, const Bodies& bodies, exec::WorkerPoo
   Wisps wisps;
   const auto blocks = groom.batch.blocks();
   std::vector<std::vector<int>> first_points;
-  wisps.first = {0};
+  std::vector<int> count(groom.guide_count());  // Points of each guide.
   for (const auto& block : blocks) {
     first_points.push_back(contact::FirstPoints(groom.batch, block));
-    wisps.first_guide.push_back(static_cast<int32_t>(wisps.radius.size()));
     for (int lane = 0; lane < block.count; ++lane) {
-      const groom::Guide& guide = groom.guides[block.strands[lane]];
-      wisps.first.push_back(wisps.first.back() + first_points.back().back());
-      wisps.radius.push_back(static_cast<float>(guide.wisp_radius));
-      wisps.curliness.push_back(static_cast<float>(Curliness(guide.strand)));
+      count[block.strands[lane]] = first_points.back().back();
     }
+  }
+  wisps.first = {0};
+  for (int i = 0; i < groom.guide_count(); ++i) {
+    const groom::Guide& guide = groom.guides[i];
+    wisps.first.push_back(wisps.first.back() + count[i]);
+    wisps.radius.push_back(static_cast<float>(guide.wisp_radius));
+    wisps.curliness.push_back(static_cast<float>(Curliness(guide.strand)));
   }
   const size_t points = wisps.first.back();
   for (auto* list : {&wisps.mass, &wisps.x, &wisps.y, &wisps.z, &wisps.density}) {
@@ -167,7 +170,8 @@ void StepAmongWisps(const groom::Groom& groom, const WispStep& step,
       for_points(i, kLanes, [&](int point, int lane, int index) {
         own_step.SetImpulse(point, lane, memory.impulse.At(index) + memory.volume.At(index));
       });
-      if (i + 1 < count) memory.steps[i + 1]->ExpectSolve();
+      // What another worker is at is left alone.
+      if ((i + 1) % kBlocksPerPiece != 0 && i + 1 < count) memory.steps[i + 1]->ExpectSolve();
       own_step.Solve();
       if (pass == 0) (void)own_step.Revise();
       for_points(i, blocks[i].count, [&](int point, int lane, int index) {

@@ -33,7 +33,8 @@ std::vector<uint64_t> SpaceOrder(std::span<const Vector3d> points) {
   for (const Vector3d& p : points) {
     uint64_t key = 0;
     for (int a = 0; p.allFinite() && a < 3; ++a) {
-      const double cell = std::min(kCells * ((p[a] - low[a]) / side), kCells - 1);
+      const double part = (p[a] - low[a]) / side;
+      const double cell = part < 1 ? kCells * part : kCells - 1;
       key |= Spread(static_cast<uint64_t>(cell)) << a;
     }
     keys.push_back(key);
