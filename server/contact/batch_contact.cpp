@@ -17,8 +17,8 @@ using Block = rod::Batch<float>::Block;
 constexpr double kPointSpacing = 0.015;  // [m]
 constexpr double kLargestBulge = 2e-3;   // Of curled hair between two points [m].
 constexpr int kMostPoints = 10;
-// Normals that face each other by more than that have no mean: their sum is shorter.
-constexpr float kOpposite = 0.1F;
+// Normals whose sum is no longer than that are opposite by rounding, and have no mean.
+constexpr float kOpposite = 1e-5F;
 
 void Reserve(const Block& block, size_t points, BatchContactScratch* scratch) {
   const auto grow = [](size_t size, auto* list) {
