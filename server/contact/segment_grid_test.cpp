@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "contact/segment_distance.h"
+#include "contact/test_segments.h"
 #include "math/random.h"
 
 namespace mane::contact {

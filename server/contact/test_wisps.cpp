@@ -7,7 +7,7 @@
 #include <ctime>
 #include <numbers>
 
-#include "contact/segment_distance.h"
+#include "contact/test_segments.h"
 #include "math/random.h"
 #include "rod/scheme.h"
 

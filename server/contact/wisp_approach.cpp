@@ -3,22 +3,15 @@
 #include <algorithm>
 #include <array>
 
-#include "simd/rows.h"
-
 namespace mane::contact {
 namespace {
 
 using Eigen::Vector3f;
 using Contact = WispScratch::Contact;
 using simd::kLanes;
-using SegmentRows = std::array<simd::Row<float>, kSegmentPairRows>;
 using Approaches = std::array<simd::Row<float>, kApproachRows>;
 
 constexpr int kSteps = 5;  // That a walk takes at most.
-
-void Put(const Vector3f& v, size_t row, size_t lane, SegmentRows& rows) {
-  for (int k = 0; k < 3; ++k) rows[row++].lane[lane] = v[k];
-}
 
 Vector3f Get(const Approaches& rows, int row, size_t lane) {
   const auto r = static_cast<size_t>(row);
@@ -60,7 +53,7 @@ float SumOfRadii(const WispPoints& points, const int32_t guide[2]) {
 
 void FindApproaches(const WispPoints& points, const WispStep& step, const WispScratch& scratch,
                     std::span<Contact> contacts) {
-  SegmentRows segments{};
+  SegmentPairRows segments{};
   Approaches approaches;
   for (size_t first = 0; first < contacts.size(); first += kLanes) {
     const auto some = contacts.subspan(first, std::min<size_t>(kLanes, contacts.size() - first));

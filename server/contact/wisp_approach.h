@@ -1,10 +1,12 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <span>
 #include <vector>
 
 #include "contact/wisp_pairs.h"
+#include "simd/rows.h"
 
 namespace mane::contact {
 
@@ -20,6 +22,14 @@ template <typename T>
 void KeepRoom(std::vector<T>& list) {
   const size_t size = std::max<size_t>(list.size(), 64);
   if (5 * size > 4 * list.capacity()) list.reserve(2 * size);
+}
+
+/// Rows that the kernels take (wisp_layout.h).
+using SegmentPairRows = std::array<simd::Row<float>, kSegmentPairRows>;
+
+/// Sets three rows of a lane.
+inline void Put(const Eigen::Vector3f& v, size_t row, size_t lane, SegmentPairRows& rows) {
+  for (int k = 0; k < 3; ++k) rows[row++].lane[lane] = v[k];
 }
 
 /// Of two guides' wisps [m].

@@ -26,7 +26,7 @@ struct Segments {
   static V Most(const V& x, const V& y) { return x > y ? x : y; }
   static V Unit(const V& x) { return Least(Most(x, V{}), V{} + 1); }
 
-  /// ClosestPoints (segment_distance.h), without branches.
+  /// ClosestPoints (test_segments.h), without branches.
   static Fractions Closest(const Segment& p, const Segment& q) {
     constexpr float kParallel = 1e-3F, kPoint = 1e-14F;  // As there.
     const V one = V{} + 1;

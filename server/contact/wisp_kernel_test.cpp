@@ -12,7 +12,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "contact/segment_distance.h"
+#include "contact/test_segments.h"
 #include "contact/wisp_kernels.h"
 #include "math/random.h"
 #include "simd/rows.h"

@@ -136,26 +136,23 @@ bool MayMeet(const WispStep& step, const WispNeighbours& neighbours, size_t l, s
 // Adds those of `boxes` that a link may meet to `near`.
 void AddNear(const WispStep& step, size_t a, const WispNeighbours& neighbours,
              std::span<const int32_t> boxes, std::vector<WispScratch::Near>& near) {
-  std::array<simd::Row<float>, kSegmentPairRows> lines{};
+  SegmentPairRows lines{};
   std::array<simd::Row<float>, kLineRows> between;
-  const auto put = [&](const Eigen::Vector3f& x, size_t row, size_t first, size_t last) {
-    for (int k = 0; k < 3; ++k) {
-      std::fill(lines[row + k].lane + first, lines[row + k].lane + last, x[k]);
-    }
-  };
   const auto ends = [&](size_t l) {
     const Eigen::Vector3f* const x = Searched(neighbours, l);
     return std::pair(x[0], x[neighbours.around[l].count]);
   };
   const auto [begin, end] = ends(a);
-  put(begin, kEnds, 0, simd::kLanes);
-  put(end, kEnds + 3, 0, simd::kLanes);
+  for (size_t lane = 0; lane < simd::kLanes; ++lane) {
+    Put(begin, kEnds, lane, lines);
+    Put(end, kEnds + 3, lane, lines);
+  }
   for (size_t first = 0; first < boxes.size(); first += simd::kLanes) {
     const auto some = boxes.subspan(first, std::min<size_t>(simd::kLanes, boxes.size() - first));
     for (size_t lane = 0; lane < some.size(); ++lane) {
       const auto [other_begin, other_end] = ends(static_cast<size_t>(some[lane]));
-      put(other_begin, kEnds + 6, lane, lane + 1);
-      put(other_end, kEnds + 9, lane, lane + 1);
+      Put(other_begin, kEnds + 6, lane, lines);
+      Put(other_end, kEnds + 9, lane, lines);
     }
     step.kernels->lines(lines[0].lane, between[0].lane);
     for (size_t lane = 0; lane < some.size(); ++lane) {

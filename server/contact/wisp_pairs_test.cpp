@@ -22,7 +22,7 @@
 #include <map>
 
 #include "base/test_allocations.h"
-#include "contact/segment_distance.h"
+#include "contact/test_segments.h"
 #include "contact/test_wisps.h"
 #include "contact/wisp_impulse.h"
 #include "math/random.h"

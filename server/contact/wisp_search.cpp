@@ -42,7 +42,6 @@ struct Look {
 // Two links that come near each other.
 struct Candidate {
   int32_t pair;     // Among WispNeighbours::pairs.
-  int32_t guide;    // The second's.
   int32_t link[2];  // Which they are,
   float distance;   // and how near segments of theirs come within the step [m].
   bool followed;    // Whether they touched in the last step, too,
@@ -95,7 +94,7 @@ void Add(const Search& search, const Look& look, const int32_t point[2], float d
   const Pair& pair = search.PairAt(look.pair);
   const int32_t guide[2] = {search.LinkAt(pair.first).guide, search.LinkAt(pair.second).guide};
   search.piece.candidates.push_back(
-      {look.pair, guide[1], {pair.first, pair.second}, distance, look.followed, resumed});
+      {look.pair, {pair.first, pair.second}, distance, look.followed, resumed});
   search.piece.at.push_back({{guide[0], guide[1]}, {point[0], point[1]}, {point[0], point[1]}});
 }
 
@@ -149,7 +148,7 @@ bool Meet(const Search& search, const Look& look, float apart, float nearing) {
 
 // Looks at those that are listed.
 void LookAtAll(const Search& search) {
-  std::array<simd::Row<float>, kSegmentPairRows> lines{};
+  SegmentPairRows lines{};
   std::array<simd::Row<float>, kLineRows> between;
   const std::span<const Look> looks = search.piece.looks;
   for (size_t first = 0; first < looks.size(); first += kLanes) {
@@ -161,10 +160,9 @@ void LookAtAll(const Search& search) {
         const WispLink& link = search.LinkAt(l);
         for (const int32_t p : {link.point, link.point + link.count}) {
           const auto at = static_cast<size_t>(p);
-          for (int k = 0; k < 3; ++k, ++row) {
-            lines[kEnds + row].lane[lane] = search.neighbours.place[at][k];
-            lines[kMotion + row].lane[lane] = search.scratch.sweep[at][k];
-          }
+          Put(search.neighbours.place[at], kEnds + row, lane, lines);
+          Put(search.scratch.sweep[at], kMotion + row, lane, lines);
+          row += 3;
         }
       }
     }
@@ -222,11 +220,10 @@ void WakeOthers(const Search& search, int32_t left) {
   const auto g = static_cast<size_t>(search.LinkAt(search.PairAt(left).first).guide);
   for (int32_t k = search.neighbours.first_of[g]; k < search.neighbours.first_of[g + 1]; ++k) {
     Pair& pair = search.PairAt(k);
-    const Look look = LookAt(search, k);
     if (k == left || guide(k) != guide(left) || pair.slack == kUnknown || is(k)) continue;
     if (!(search.LinkAt(pair.first).reach > 0) || !(search.LinkAt(pair.second).reach > 0)) continue;
     pair.slack = kUnknown;
-    search.piece.looks.push_back(look);
+    search.piece.looks.push_back(LookAt(search, k));
   }
 }
 
@@ -285,8 +282,8 @@ void Order(const Search& search, int32_t begin) {
   piece.order.clear();
   for (size_t i = 0; i < piece.candidates.size(); ++i) {
     const Candidate& candidate = piece.candidates[i];
-    const int32_t first = piece.at[i].guide[0], guide[2] = {first, candidate.guide};
-    uint64_t key = static_cast<uint64_t>(first - begin) << 24 | static_cast<uint32_t>(guide[1]);
+    const auto& guide = piece.at[i].guide;
+    uint64_t key = static_cast<uint64_t>(guide[0] - begin) << 24 | static_cast<uint32_t>(guide[1]);
     for (int k = 0; k < 2; ++k) {
       const int32_t first_link = search.neighbours.first_link[static_cast<size_t>(guide[k])];
       key = key << 16 | static_cast<uint32_t>(candidate.link[k] - first_link);

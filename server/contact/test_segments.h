@@ -6,7 +6,7 @@
 
 namespace mane::contact {
 
-/// A segment from `a` to `b` [m].
+/// What the kernels are held against: a segment from `a` to `b` [m].
 struct Segment {
   Eigen::Vector3f a, b;
 
