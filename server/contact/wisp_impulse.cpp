@@ -84,8 +84,11 @@ WispPair MakePair(const WispPoints& points, const WispStep& step, const WispSett
     const float apart = (at_rest(0) - at_rest(1)).norm();
     if (apart < reach) at_rest_apart = apart;
   }
-  pair.reference = old ? old->reference + step.relaxed * (at_rest_apart - old->reference)
-                       : std::min(at_rest_apart, contact.start.norm());
+  if (old) {
+    pair.reference = old->reference + step.relaxed * (at_rest_apart - old->reference);
+  } else {
+    pair.reference = step.first ? std::min(at_rest_apart, contact.start.norm()) : at_rest_apart;
+  }
   pair.gap = contact.start.dot(pair.normal) - pair.reference;
 
   // What it asks for: a spring and a damper at the end of the step (H7).

@@ -23,6 +23,7 @@ struct WispStep {
   float dt;       ///< [s]
   float h;        ///< kTheta dt: positions are extrapolated by it [s].
   float relaxed;  ///< Part of the way that distances go in it to those of the rest shape (H5).
+  bool first;     ///< Nothing was tracked before it: what meets keeps the distance it has (H5).
   const WispKernels* kernels;
 };
 

@@ -239,7 +239,8 @@ void WispTracker::Begin(const WispPoints& points, double dt, WispScratch& scratc
   dt = dt >= 1e-5 ? std::min(dt, 0.25) : 1e-5;
   const WispStep step{
       static_cast<float>(dt), static_cast<float>(rod::kTheta * dt),
-      static_cast<float>(-std::expm1(-dt / std::max(1e-3, settings_.relaxation_time))), kernels_};
+      static_cast<float>(-std::expm1(-dt / std::max(1e-3, settings_.relaxation_time))),
+      !(last_dt_ > 0), kernels_};
   const double steps = last_dt_ > 0 ? std::min(1.0, dt / last_dt_) : 0;
   std::swap(pairs_, scratch.pairs);
   scratch.followed.assign(scratch.pairs.size(), 0);

@@ -169,6 +169,7 @@ class WispTracker {
     pairs_.clear();
     heaviness_.clear();
     neighbours_.first.clear();
+    last_dt_ = 0;
   }
 
   /// By the first guide, the second, and the place on the first.

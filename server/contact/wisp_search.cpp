@@ -27,6 +27,7 @@ constexpr float kFollowed = 0.5f;  // and up to which those that meet are follow
 constexpr double kMostContacts = 0.8;
 constexpr double kMore = 8e3;  // Points besides (Budget).
 constexpr float kKept = 0.1f;
+constexpr float kAsNear = 1e-3f;  // Distances that differ by no more of the reach count as equal.
 
 // What stays within the margin does not touch.
 constexpr float kStill = kMargin / (1 + kMargin);
@@ -52,6 +53,7 @@ struct Candidate {
 struct Ordered {
   uint64_t key;
   int32_t candidate;
+  bool kept;
 };
 
 // Memory of one thread; grows to what it has seen and is reused.
@@ -288,40 +290,35 @@ void Order(const Search& search, int32_t begin) {
       const int32_t first_link = search.neighbours.first_link[static_cast<size_t>(guide[k])];
       key = key << 16 | static_cast<uint32_t>(candidate.link[k] - first_link);
     }
-    piece.order.push_back({key, static_cast<int32_t>(i)});
+    piece.order.push_back({key, static_cast<int32_t>(i), false});
   }
   KeepRoom(piece.order);
   std::ranges::sort(piece.order, {}, &Ordered::key);
 }
 
-// Of a stretch of candidates of the same two guides, keeps those that are each the nearest of their
-// first link, and of those the ones that are the nearest of their second link, too.
-void KeepMutual(const Search& search, std::span<Ordered> order) {
+// Of a stretch of candidates of the same two guides keeps those that are nearer than all beside
+// them: those of the same link of one guide, and of the same or the next link of the other. Of
+// equally near ones, as of hair that lies alongside, the first is kept, and not what is beside it.
+void KeepNearer(const Search& search, std::span<Ordered> order) {
   Piece& piece = search.piece;
-  const auto candidate = [&](const auto& at) -> const Candidate& {
+  const auto candidate = [&](const Ordered& at) -> const Candidate& {
     return piece.candidates[static_cast<size_t>(at.candidate)];
   };
-  size_t count = 0;
-  for (const auto& at : order) {
-    if (count == 0 || candidate(order[count - 1]).link[0] != candidate(at).link[0]) {
-      order[count++] = at;
-    } else if (candidate(at).distance < candidate(order[count - 1]).distance) {
-      Wait(search, std::exchange(order[count - 1], at).candidate);
+  std::ranges::sort(order, {},
+                    [&](const Ordered& at) { return std::pair(candidate(at).distance, at.key); });
+  const auto beside = [](const Candidate& a, const Candidate& b) {
+    return std::abs(a.link[0] - b.link[0]) + std::abs(a.link[1] - b.link[1]) <= 1;
+  };
+  for (auto at = order.begin(); at != order.end(); ++at) {
+    const Candidate& mine = candidate(*at);
+    const float nearer = mine.distance - kAsNear * search.Reach(search.PairAt(mine.pair));
+    at->kept = std::none_of(order.begin(), at, [&](const Ordered& other) {
+      return beside(mine, candidate(other)) && (other.kept || candidate(other).distance < nearer);
+    });
+    if (at->kept) {
+      piece.kept.push_back(at->candidate);
     } else {
-      Wait(search, at.candidate);
-    }
-  }
-  for (size_t a = 0; a < count; ++a) {
-    bool nearest = true;
-    for (size_t b = 0; b < count && nearest; ++b) {
-      const Candidate &mine = candidate(order[a]), &other = candidate(order[b]);
-      nearest = a == b || mine.link[1] != other.link[1] || mine.distance < other.distance ||
-                (mine.distance == other.distance && a < b);
-    }
-    if (nearest) {
-      piece.kept.push_back(order[a].candidate);
-    } else {
-      Wait(search, order[a].candidate);
+      Wait(search, at->candidate);
     }
   }
 }
@@ -357,16 +354,31 @@ void KeepNearest(const Search& search, size_t most) {
   piece.kept.resize(kept);
 }
 
-// Sorts contacts of one guide, from `begin` on; some have walked to the same place.
+// Sorts contacts of one guide, from `begin` on, and drops what has walked to where another is.
 void DropSame(size_t begin, std::vector<Contact>& contacts) {
+  constexpr float kSame = 0.5f;  // Segments along the guides.
   const auto key = [](const Contact& contact) {
     return std::tie(contact.guide[1], contact.point[0], contact.point[1]);
+  };
+  const auto place = [](const Contact& contact, int k) {
+    return static_cast<float>(contact.point[k]) + contact.fraction[k];
+  };
+  const auto same = [&](const Contact& a, const Contact& b) {
+    return a.guide[1] == b.guide[1] && std::abs(place(a, 0) - place(b, 0)) <= kSame &&
+           std::abs(place(a, 1) - place(b, 1)) <= kSame;
   };
   const auto first = contacts.begin() + static_cast<ptrdiff_t>(begin);
   std::sort(first, contacts.end(),
             [&](const Contact& a, const Contact& b) { return key(a) < key(b); });
-  const auto same = [&](const Contact& a, const Contact& b) { return key(a) == key(b); };
-  contacts.erase(std::unique(first, contacts.end(), same), contacts.end());
+  auto kept = first;
+  for (auto next = first; next != contacts.end(); ++next) {
+    bool is_new = true;
+    for (auto k = kept; is_new && k != first && std::prev(k)->guide[1] == next->guide[1]; --k) {
+      is_new = !same(*std::prev(k), *next);
+    }
+    if (is_new) *kept++ = *next;
+  }
+  contacts.erase(kept, contacts.end());
 }
 
 }  // namespace
@@ -390,7 +402,7 @@ std::span<const Contact> FindContacts(const WispPoints& points, const WispStep& 
       const uint64_t guides = order[at].key >> 32;
       const size_t first = at;
       while (at < order.size() && order[at].key >> 32 == guides) ++at;
-      KeepMutual(search, order.subspan(first, at - first));
+      KeepNearer(search, order.subspan(first, at - first));
     }
     KeepRoom(piece.kept);
     if (piece.kept.size() > most) KeepNearest(search, most);
