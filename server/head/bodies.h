@@ -19,8 +19,10 @@
 namespace mane::head {
 
 /// The wisps that guides stand for, with the points at which they meet (contact/wisp_points.h):
-/// those of BlockStep, guide after guide.
+/// those of BlockStep, guide after guide. Guides come in the order of the batch's blocks, in which
+/// neighbours on the scalp are near each other in memory.
 struct Wisps {
+  std::vector<int32_t> number;           ///< Place of each of the groom's guides in it (guides).
   std::vector<int32_t> first;            ///< (guides + 1)
   std::vector<float> radius, curliness;  ///< (guides)
   std::vector<float> mass;               ///< (points)

@@ -46,7 +46,7 @@ void ForPoints(const groom::Groom& groom, const Wisps& wisps, int i, const Block
                int lanes, const Visit& visit) {
   const auto& block = groom.batch.blocks()[i];
   for (int lane = 0; lane < lanes; ++lane) {
-    const int first = wisps.first[block.strands[lane]];
+    const int first = wisps.first[wisps.number[block.strands[lane]]];
     for (int point = 0; point < step.points(); ++point) visit(point, lane, first + point);
   }
 }
@@ -71,19 +71,17 @@ Wisps MakeWisps(const groom::Groom& groom, const Bodies& bodies, exec::WorkerPoo
   Wisps wisps;
   const auto blocks = groom.batch.blocks();
   std::vector<std::vector<int>> first_points;
-  std::vector<int> count(groom.guide_count());  // Points of each guide.
+  wisps.number.resize(groom.guide_count());
+  wisps.first = {0};
   for (const auto& block : blocks) {
     first_points.push_back(contact::FirstPoints(groom.batch, block));
     for (int lane = 0; lane < block.count; ++lane) {
-      count[block.strands[lane]] = first_points.back().back();
+      const groom::Guide& guide = groom.guides[block.strands[lane]];
+      wisps.number[block.strands[lane]] = static_cast<int32_t>(wisps.radius.size());
+      wisps.first.push_back(wisps.first.back() + first_points.back().back());
+      wisps.radius.push_back(static_cast<float>(guide.wisp_radius));
+      wisps.curliness.push_back(static_cast<float>(Curliness(guide.strand)));
     }
-  }
-  wisps.first = {0};
-  for (int i = 0; i < groom.guide_count(); ++i) {
-    const groom::Guide& guide = groom.guides[i];
-    wisps.first.push_back(wisps.first.back() + count[i]);
-    wisps.radius.push_back(static_cast<float>(guide.wisp_radius));
-    wisps.curliness.push_back(static_cast<float>(Curliness(guide.strand)));
   }
   const size_t points = wisps.first.back();
   for (auto* list : {&wisps.mass, &wisps.x, &wisps.y, &wisps.z, &wisps.density}) {
