@@ -117,8 +117,9 @@ int FinenessFor(const Contact& contact, std::span<const math::Pose> targets,
     const math::Pose to = head.end.Inverse() * targets[i];
     way = std::max(way, (to.p - from.p).norm() + kArm * from.q.angularDistance(to.q));
   }
+  const int finest = contact.bodies->wisps ? kFinestOfWisps : kFinest;
   int fineness = 1;
-  while (fineness < kFinest && way > kLargestWay * steps * fineness) fineness *= 2;
+  while (fineness < finest && way > kLargestWay * steps * fineness) fineness *= 2;
   return fineness;
 }
 

@@ -43,6 +43,8 @@ inline constexpr float kLargestBend = 1e-3F;  // [m]
 inline constexpr double kLargestWay = 0.01;
 /// As kLargestBend, of hair that meets hair; it is stepped finer from then on.
 inline constexpr float kLargestWispBend = 4e-3F;
+/// Steps that a head whose wisps meet makes of one which its hair does not expect.
+inline constexpr int kFinestOfWisps = 8;
 
 struct HeadState;
 
@@ -70,7 +72,8 @@ void SetGroupMotions(const Contact& contact, std::span<const math::Pose> targets
 /// How far hair may move in a step along `head` besides what it did in the last one, for what the
 /// clamp does [m].
 [[nodiscard]] double Surprise(const Contact& contact, const rod::ClampMotion& head);
-/// Steps to make of each of `steps` along `head` for how far bodies come in it, 1 to kFinest.
+/// Steps to make of each of `steps` along `head` for how far bodies come in it, 1 to kFinest, or to
+/// kFinestOfWisps where wisps meet.
 [[nodiscard]] int FinenessFor(const Contact& contact, std::span<const math::Pose> targets,
                               const rod::ClampMotion& head, int steps);
 /// Remembers the last step.

@@ -67,7 +67,7 @@ void FinishBlock(const groom::Groom& groom, int i, const Movement& movement, dou
 void SetDrives(const HeadState& from, const Movement& movement, int steps, int begin, int end,
                const Environment& environment, const WindField& wind,
                std::vector<StepDrive>* drives) {
-  drives->resize(kStepsAtOnce * kFinest);
+  drives->resize(kStepsAtOnce * kFinestOfWisps);
   const auto pose = [&](int i) {
     return i == steps
                ? movement.target
@@ -203,7 +203,7 @@ std::optional<int> AdvanceBlock(const groom::Groom& groom, int i, std::span<cons
 int NextFineness(int fineness, float bend, float largest) {
   if (bend > largest) return std::min(kFinest, 2 * fineness);
   // Steps twice as long bend four times as far.
-  return bend < largest / 8 ? std::max(1, fineness / 2) : fineness;
+  return std::min(kFinest, bend < largest / 8 ? std::max(1, fineness / 2) : fineness);
 }
 
 // All given steps of a block among bodies, which are `fineness` times as many as a coarse one
@@ -263,7 +263,7 @@ int AdvanceRods(const groom::Groom& groom, const Movement& movement, const Envir
     for (int i = 0; bodies && !wisps && i < blocks; ++i) {
       due[i] = std::max(coarsest, state->contact.blocks[i].fineness);
     }
-    for (int fineness = 1; fineness <= kFinest; fineness *= 2) {
+    for (int fineness = 1; fineness <= kFinestOfWisps; fineness *= 2) {
       if (std::ranges::find(due, fineness) == due.end()) continue;
       SetDrives(*state, movement, steps * fineness, begin * fineness, end * fineness, environment,
                 wind, &drives);
