@@ -7,8 +7,8 @@
 namespace mane::contact {
 
 /// Finds the contacts of guides [begin, end) with later ones: where neighbours' links
-/// come nearer than their radii, each the nearest that the other's guide has for it (H3). By first
-/// guide, second guide, first point, second point.
+/// come nearer than their radii, and nearer than the links beside them (H3). By first guide, second
+/// guide, first point, second point.
 ///
 /// @param neighbours  in: of this step; its pairs' slack is brought up to it.
 /// @return  this thread's list, which the next call overwrites.
