@@ -194,7 +194,8 @@ void Touch(const Search& search, size_t first) {
   for (size_t i = first; i < piece.candidates.size(); ++i) {
     const Candidate& candidate = piece.candidates[i];
     const Contact& contact = piece.at[i];
-    if (contact.distance <= (1 + kMargin) * SumOfRadii(search.points, contact.guide)) {
+    if (contact.distance <= (1 + kMargin) * SumOfRadii(search.points, contact.guide) &&
+        !std::isnan(candidate.distance)) {  // As of what overflows; they are sorted by it.
       piece.candidates[kept] = candidate;
       piece.at[kept++] = contact;
       continue;
