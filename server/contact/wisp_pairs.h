@@ -24,8 +24,9 @@ struct WispSettings {
   /// In which compressed wisps expand [s], >= 0. Shorter ones let piles of hair dance.
   double expansion_time = 0.2;
   double recovery_speed = 0.1;  ///< At which wisps that overlap part at most [m/s], >= 0.
-  /// In which the distance that two wisps keep turns from the one at which they were met into that
-  /// of the rest shape [s], > 0.
+  /// In which the distance that two wisps keep turns into that of the rest shape, where it is
+  /// another: that at which they lay when the first step met them, or of where they slid from [s],
+  /// > 0.
   double relaxation_time = 1;
   /// Part of the sum of radii within which wisps rub on and hold each other; [0, 1].
   double touch_range = 0.2;

@@ -43,7 +43,8 @@ inline constexpr float kLargestBend = 1e-3F;  // [m]
 inline constexpr double kLargestWay = 0.01;
 /// As kLargestBend, of hair that meets hair; it is stepped finer from then on.
 inline constexpr float kLargestWispBend = 4e-3F;
-/// Steps that a head whose wisps meet makes of one which its hair does not expect.
+/// At most so many steps a head whose wisps meet makes of one in which it, or a body, comes where
+/// its hair does not expect it.
 inline constexpr int kFinestOfWisps = 8;
 
 struct HeadState;

@@ -199,7 +199,7 @@ std::optional<int> AdvanceBlock(const groom::Groom& groom, int i, std::span<cons
   return repaired;
 }
 
-// Of the next steps, after steps that bent so far.
+// Of the next steps, after steps that bent so far; kFinest at most, whatever these were.
 int NextFineness(int fineness, float bend, float largest) {
   if (bend > largest) return std::min(kFinest, 2 * fineness);
   // Steps twice as long bend four times as far.

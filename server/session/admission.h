@@ -35,7 +35,8 @@ inline constexpr double kPointSteps = 0.5;
 
 /// Element-steps of one frame in lockstep or of a bake: half a second of work with vector kernels,
 /// seconds at most. Hair that turns fast among bodies takes up to seven times that, as blocks step
-/// up to head::kFinest times finer.
+/// up to head::kFinest times finer; where wisps meet, up to twice that again in frames that come
+/// unexpectedly (head::kFinestOfWisps).
 inline constexpr double kMaxFrameWork = 1e7;
 /// Bytes of what one head's hair remembers (HeadBytes).
 inline constexpr size_t kMaxStateBytes = size_t{512} << 20;

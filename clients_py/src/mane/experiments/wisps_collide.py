@@ -1,4 +1,4 @@
-"""Two wisps that collide, slowly and fast: momentum is kept, and none passes through another."""
+"""Wisps that collide: two, whose momentum is kept, and one that a curtain of others catches."""
 
 from __future__ import annotations
 
