@@ -142,8 +142,8 @@ def crossing(client: Client, speed_m_s: float) -> np.ndarray:
     across it: their distance over the sum of radii, negative once it has passed through, (frame,).
 
     They are farther apart than the head's first step: pairs are looked for where hair would go if
-    it went on as it did, which hair at rest does not tell. One stiff hair alone would not tell more:
-    hair winds around it, tighter than its elements can follow.
+    it went on as it did, which hair at rest does not tell. Around one stiff hair alone it winds,
+    tighter than its elements can follow.
     """
     away_m = 2 * RADIUS_M + 5e-3 + speed_m_s / RATE_HZ
     hanging = replace(straight_hair(DOWN, LENGTH_M, 12), air_drag=2e-6, wisp_radius_m=RADIUS_M)
