@@ -58,6 +58,7 @@ LAWS = {
             (0, 0.05)
         ),
         "swing, let go of a wind of 1.5 m/s: smallest distance over the sum of radii": (0.5, 1.1),
+        "crossed at 1 m/s: smallest distance over the sum of radii": (0.3, 1.1),
         "caught at 1 m/s: smallest distance over the sum of radii": (0.3, 1.1),
         "caught at 3.5 m/s: smallest distance over the sum of radii": (0.3, 1.5),
     },

@@ -9,6 +9,7 @@
 
 #include "contact/batch_contact.h"
 #include "contact/test_meshes.h"
+#include "contact/test_step.h"
 #include "rod/chain.h"
 #include "rod/test_batches.h"
 
@@ -18,8 +19,6 @@ using Eigen::Vector3d;
 using rod::Row;
 using rod::fixtures::State;
 using rod::layout::kLanes;
-
-inline constexpr double kDt = 1.0 / 60;
 
 /// Strands of equal N on a head, stepped among bodies that have a motion of their own.
 class Among {

@@ -93,6 +93,32 @@ double Impulses::SumOfNorms() const {
   return sum;
 }
 
+void Tracking::Begin(const Hair& hair, double dt) {
+  impulses = Impulses(hair.size());
+  tracker.Begin(hair.View(), dt, scratch, pool, impulses.View());
+}
+
+void Tracking::Revise(const Hair& moving) {
+  tracker.Revise({moving.ux, moving.uy, moving.uz}, scratch, pool, impulses.View());
+}
+
+WispSettings FromTheRoot() {
+  WispSettings settings;
+  settings.root_length = 0;
+  return settings;
+}
+
+Hair Crossing(double height, double velocity) {
+  Hair hair;
+  hair.AddGuide(0.005f, 0);
+  hair.AddPoint({-0.01, 0, 0}, Vector3d::Zero(), 1e-6);
+  hair.AddPoint({0.01, 0, 0}, Vector3d::Zero(), 1e-6);
+  hair.AddGuide(0.005f, 0);
+  hair.AddPoint({0, height, -0.01}, {0, velocity, 0}, 1e-6);
+  hair.AddPoint({0, height, 0.01}, {0, velocity, 0}, 1e-6);
+  return hair;
+}
+
 void Rods::Add(const Vector3d& a, const Vector3d& b, int points, double mass, float radius,
                float curly, const Vector3d& velocity, bool rigid, const Vector3d& weight) {
   Rod rod{{}, {}, {}, mass / points, radius, curly, rigid, weight};

@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "contact/test_step.h"
 #include "contact/wisp_pairs.h"
 #include "exec/worker_pool.h"
 
@@ -44,6 +45,27 @@ struct Impulses {
   [[nodiscard]] double SumOfNorms() const;
   [[nodiscard]] Eigen::Vector3d At(size_t p) const { return {x[p], y[p], z[p]}; }
 };
+
+/// A tracker with what it needs.
+struct Tracking {
+  WispTracker tracker;
+  WispScratch scratch;
+  exec::WorkerPool pool;
+  Impulses impulses{0};
+
+  explicit Tracking(const WispSettings& settings = {}, int workers = 1)
+      : tracker(settings), pool(workers) {}
+
+  void Begin(const Hair& hair, double dt = kDt);
+  void Revise(const Hair& moving);
+};
+
+/// Wisps that meet from the root on.
+[[nodiscard]] WispSettings FromTheRoot();
+
+/// Two guides of one segment each, that cross at right angles, `height` [m] apart; the second moves
+/// along that at `velocity` [m/s].
+[[nodiscard]] Hair Crossing(double height, double velocity);
 
 /// Straight rods in a void, each either rigid, or of points that nothing joins: a model of what
 /// solves strands, with which impulses between wisps can be watched over many steps.

@@ -27,9 +27,9 @@ namespace {
 using Eigen::Vector3d;
 using fixtures::Hair;
 using fixtures::Impulses;
+using fixtures::kDt;
 using fixtures::Rods;
 
-constexpr double kDt = 1.0 / 60;
 constexpr float kRadius = 0.005f;  // Two of them touch at 10 mm.
 
 struct Collision {

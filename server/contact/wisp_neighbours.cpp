@@ -263,11 +263,25 @@ void FindPairs(const WispPoints& points, const WispStep& step, exec::WorkerPool&
                       scratch.found.end());
 }
 
+// Where a link of two guides that touched there begins elsewhere or ends, others of theirs that
+// waited for it are looked at again.
+void WakeWaiting(WispScratch& scratch, WispNeighbours& neighbours) {
+  const auto guide = [&](int32_t link) { return scratch.links[static_cast<size_t>(link)].guide; };
+  for (const Pair& ended : scratch.ended) {
+    const auto g = static_cast<size_t>(guide(ended.first));
+    for (int32_t k = neighbours.first_of[g]; k < neighbours.first_of[g + 1]; ++k) {
+      Pair& pair = neighbours.pairs[static_cast<size_t>(k)];
+      if (!pair.known() && guide(pair.second) == guide(ended.second)) pair.slack = kUnknown;
+    }
+  }
+}
+
 // Puts what was found in the place of the moved links' pairs, but for those that touch; of those
 // that were pairs before all that is known is kept.
 void Merge(WispScratch& scratch, WispNeighbours& neighbours) {
   std::swap(scratch.neighbours, neighbours.pairs);
   neighbours.pairs.clear();
+  scratch.ended.clear();
   auto found = scratch.found.cbegin();
   const auto moved = [&](const Pair& pair) {
     return std::max(scratch.moved[static_cast<size_t>(pair.first)],
@@ -279,6 +293,7 @@ void Merge(WispScratch& scratch, WispNeighbours& neighbours) {
     }
     const bool again = found != scratch.found.cend() && !Before(old, *found);
     found += again;
+    if (old.known() && moved(old) == kChanged) scratch.ended.push_back(old);
     if (again) {
       neighbours.pairs.push_back(moved(old) == kChanged ? found[-1] : old);
     } else if (moved(old) == 0 || (moved(old) == kMoved && old.known())) {
@@ -300,6 +315,8 @@ void Merge(WispScratch& scratch, WispNeighbours& neighbours) {
     }
   }
   neighbours.first_of.back() = static_cast<int32_t>(k);
+  KeepRoom(scratch.ended);
+  WakeWaiting(scratch, neighbours);
 }
 
 void Search(const WispPoints& points, const WispStep& step, WispScratch& scratch,

@@ -124,7 +124,8 @@ struct WispScratch {
   std::vector<float> spare, widest;
   SegmentGrid grid;
   std::vector<WispNeighbours::Pair> found;       ///< By the search,
-  std::vector<WispNeighbours::Pair> neighbours;  ///< and all before it.
+  std::vector<WispNeighbours::Pair> neighbours;  ///< and all before it;
+  std::vector<WispNeighbours::Pair> ended;       ///< those that touched where a link changed.
   static constexpr int kGuidesAPiece = 8;
   std::vector<Piece> pieces;
   Work work;

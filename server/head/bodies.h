@@ -22,7 +22,7 @@ namespace mane::head {
 /// those of BlockStep, guide after guide. Guides come in the order of the batch's blocks, in which
 /// neighbours on the scalp are near each other in memory.
 struct Wisps {
-  std::vector<int32_t> number;           ///< Place of each of the groom's guides in it (guides).
+  std::vector<int32_t> place;            ///< Which of these each of the groom's guides is (guides).
   std::vector<int32_t> first;            ///< (guides + 1)
   std::vector<float> radius, curliness;  ///< (guides)
   std::vector<float> mass;               ///< (points)

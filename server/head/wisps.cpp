@@ -46,7 +46,7 @@ void ForPoints(const groom::Groom& groom, const Wisps& wisps, int i, const Block
                int lanes, const Visit& visit) {
   const auto& block = groom.batch.blocks()[i];
   for (int lane = 0; lane < lanes; ++lane) {
-    const int first = wisps.first[wisps.number[block.strands[lane]]];
+    const int first = wisps.first[wisps.place[block.strands[lane]]];
     for (int point = 0; point < step.points(); ++point) visit(point, lane, first + point);
   }
 }
@@ -71,13 +71,13 @@ Wisps MakeWisps(const groom::Groom& groom, const Bodies& bodies, exec::WorkerPoo
   Wisps wisps;
   const auto blocks = groom.batch.blocks();
   std::vector<std::vector<int>> first_points;
-  wisps.number.resize(groom.guide_count());
+  wisps.place.resize(groom.guide_count());
   wisps.first = {0};
   for (const auto& block : blocks) {
     first_points.push_back(contact::FirstPoints(groom.batch, block));
     for (int lane = 0; lane < block.count; ++lane) {
       const groom::Guide& guide = groom.guides[block.strands[lane]];
-      wisps.number[block.strands[lane]] = static_cast<int32_t>(wisps.radius.size());
+      wisps.place[block.strands[lane]] = static_cast<int32_t>(wisps.radius.size());
       wisps.first.push_back(wisps.first.back() + first_points.back().back());
       wisps.radius.push_back(static_cast<float>(guide.wisp_radius));
       wisps.curliness.push_back(static_cast<float>(Curliness(guide.strand)));

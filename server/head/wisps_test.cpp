@@ -1,7 +1,10 @@
 // Hair against hair, as heads step it:
 //   rest     wisps that overlap at rest lie still
 //   order    hair that a body drives into other hair pushes it along and does not pass through it
-//   bits     are the same for any number of workers, and from a copy of the state
+//   bits     are the same for any number of workers, from a copy of the state, and in whatever
+//   order
+//            guides of several numbers of elements come
+//   finer    steps that hair does not expect are the finest, and only where wisps meet
 //   bounded  shaken hair stays finite, and detail by tolerance leaves it alone
 
 #include "head/wisps.h"
@@ -42,8 +45,9 @@ std::shared_ptr<const groom::Groom> Hair(groom::HairType type, int guides, doubl
   return groom;
 }
 
-// Straight hair that hangs from the points `roots`.
-groom::Parts Hanging(const std::vector<Vector3d>& roots, double radius) {
+// Straight hair that hangs from the points `roots`, of so many elements in turn.
+groom::Parts Hanging(const std::vector<Vector3d>& roots, double radius,
+                     const std::vector<uint32_t>& elements = {8}) {
   groom::Parts parts;
   for (const Vector3d& root : roots) {
     groom::GuideDescription description;
@@ -51,7 +55,7 @@ groom::Parts Hanging(const std::vector<Vector3d>& roots, double radius) {
     description.root_frame =
         Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitX(), -Vector3d::UnitY());
     description.length_m = 0.2;
-    description.element_count = 8;
+    description.element_count = elements[parts.guides.size() % elements.size()];
     description.radius_1_m = 4e-5;
     description.radius_2_m = 4e-5;
     description.young_modulus_pa = 2e9;
@@ -63,6 +67,14 @@ groom::Parts Hanging(const std::vector<Vector3d>& roots, double radius) {
     parts.guides.push_back(*groom::MakeGuide(description, static_cast<int>(parts.guides.size())));
   }
   return parts;
+}
+
+// One that hair never meets: wisps meet in grooms with bodies only.
+groom::Body FarBody() {
+  groom::Body far;
+  far.name = "far";
+  far.shape = groom::Body::Capsule{{0, -5, 0}, {0, -5, 1}, 0.1};
+  return far;
 }
 
 std::vector<Vector3d> Tips(const groom::Groom& groom, const HeadState& state) {
@@ -179,6 +191,61 @@ TEST_F(WispsTest, BitsDoNotDependOnWorkers) {
   const std::vector<double> one = run(1);
   EXPECT_EQ(run(2), one);
   EXPECT_EQ(run(5), one);
+}
+
+TEST_F(WispsTest, BitsDoNotDependOnTheOrderOfGuides) {
+  constexpr int kGuides = 36;  // Of each number of elements not a whole block.
+  std::vector<Vector3d> roots;
+  for (int i = 0; i < kGuides; ++i) roots.emplace_back(0.007 * (i % 6), 0, 0.008 * (i / 6));
+  groom::Parts parts = Hanging(roots, 0.006, {3, 8, 20});
+  parts.bodies.push_back(FarBody());
+  groom::Parts reversed = parts;
+  std::ranges::reverse(reversed.guides);
+  double interplay = 0;
+  const auto run = [&](groom::Parts of, bool wisps) {
+    for (groom::Guide& guide : of.guides) guide.wisp_radius *= wisps;
+    const auto groom = *groom::Assemble(std::move(of), {}, nullptr);
+    HeadState state = AtRest(*groom, {});
+    StartContact(*groom, BodiesOf(*groom), &state);
+    for (int i = 1; i <= 40; ++i) {
+      const math::Pose pose{{0.03 * std::sin(0.3 * i), 0, 0.02 * std::sin(0.2 * i)},
+                            Eigen::Quaterniond::Identity()};
+      Advance(*groom, {pose, 1 / 60.0, 1}, {}, &state, pool_);
+    }
+    return Tips(*groom, state);
+  };
+  const std::vector<Vector3d> tips = run(parts, true), apart = run(parts, false);
+  std::vector<Vector3d> back = run(reversed, true);
+  std::ranges::reverse(back);
+  EXPECT_EQ(tips, back);
+  for (int i = 0; i < kGuides; ++i) interplay += (tips[i] - apart[i]).norm() / kGuides;
+  EXPECT_GT(interplay, 1e-3);  // They do meet.
+}
+
+TEST_F(WispsTest, StepsThatHairDoesNotExpectAreTheFinest) {
+  for (const double radius : {0.0, 0.006}) {
+    groom::Parts parts = Hanging({{0, 0, 0}, {0.01, 0, 0}}, radius);
+    parts.bodies.push_back(FarBody());
+    const auto groom = *groom::Assemble(std::move(parts), {}, nullptr);
+    HeadState state = AtRest(*groom, {});
+    StartContact(*groom, BodiesOf(*groom), &state);
+    const auto fineness = [&](double way, int steps) {
+      math::Pose end;
+      end.p.x() = way;
+      return FinenessFor(state.contact, {}, {{}, end, 1 / 60.0}, steps);
+    };
+    const int finest = radius > 0 ? kFinestOfWisps : kFinest;
+    EXPECT_EQ(fineness(0.009, 1), 1);
+    EXPECT_EQ(fineness(0.015, 1), 2);
+    EXPECT_EQ(fineness(0.07, 1), finest);
+    EXPECT_EQ(fineness(0.07, 4), 2);
+    math::Pose pose;
+    pose.p.x() = 0.07;
+    Advance(*groom, {pose, 1 / 60.0, 1}, {}, &state, pool_);
+    EXPECT_LE(state.contact.fineness, kFinest);  // By how it bent.
+    pose.p.x() = 0.14;
+    EXPECT_EQ(FinenessFor(state.contact, {}, {state.pose, pose, 1 / 60.0}, 1), 1);  // It goes on.
+  }
 }
 
 TEST_F(WispsTest, ShakenHairStaysBoundedAtFullDetail) {
