@@ -102,10 +102,6 @@ void LookAgain(const BodyGroup& group, int points, int count, Row<float>* seen,
   }
 }
 
-Eigen::Vector3f At(const std::vector<Row<float>>& rows, int row, int lane) {
-  return {rows[row].lane[lane], rows[row + 1].lane[lane], rows[row + 2].lane[lane]};
-}
-
 }  // namespace
 
 GroupMotion MotionOf(const BodyMotion& group, const rod::ClampMotion& head) {
@@ -301,16 +297,6 @@ float BlockStep::Bend() const {
   return 0.5F * numbers_.dt * numbers_.dt * most;
 }
 
-Eigen::Vector3f BlockStep::Position(int point, int lane) const {
-  return At(scratch_.points, point * rod::layout::kPointRows + rod::layout::kPosition, lane);
-}
-Eigen::Vector3f BlockStep::LastVelocity(int point, int lane) const {
-  return At(scratch_.points, point * rod::layout::kPointRows + rod::layout::kLastVelocity, lane);
-}
-Eigen::Vector3f BlockStep::Velocity(int point, int lane) const {
-  return At(scratch_.velocities, 3 * point, lane);
-}
-
 float BlockStep::Mass(int point, int lane) const {
   const auto next = std::upper_bound(first_point_.begin(), first_point_.end(), point);
   const int Q = static_cast<int>(next - first_point_.begin()) - 1;
@@ -319,10 +305,13 @@ float BlockStep::Mass(int point, int lane) const {
          static_cast<float>(first_point_[Q + 1] - first_point_[Q]);
 }
 
-void BlockStep::SetImpulse(int point, int lane, const Eigen::Vector3f& impulse) {
-  const float unit = constants_[rod::layout::kUnitMass * kLanes + lane];
+void BlockStep::SetImpulse(int point, Vectors impulse) {
+  const float* const unit = constants_ + rod::layout::kUnitMass * kLanes;
   Row<float>* const rows = &scratch_.loads[point * rod::layout::kLoadRows + rod::layout::kImpulse];
-  for (int i = 0; i < 3; ++i) rows[i].lane[lane] = impulse[i] / unit;
+  for (int i = 0; i < 3; ++i) {
+    for (int lane = 0; lane < kLanes; ++lane)
+      rows[i].lane[lane] = impulse[i].lane[lane] / unit[lane];
+  }
   scratch_.loaded[point] = 1;
 }
 

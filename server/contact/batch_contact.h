@@ -98,11 +98,17 @@ class BlockStep {
   [[nodiscard]] float Bend() const;
 
   [[nodiscard]] int points() const { return points_; }
+  /// A vector of every strand.
+  using Vectors = std::span<const rod::Row<float>, 3>;
   /// Of a point, where Begin found it [m], from the head's place at kTheta of the way; what led
   /// there, and what it does in the last solution [m/s], world.
-  [[nodiscard]] Eigen::Vector3f Position(int point, int lane) const;
-  [[nodiscard]] Eigen::Vector3f LastVelocity(int point, int lane) const;
-  [[nodiscard]] Eigen::Vector3f Velocity(int point, int lane) const;
+  [[nodiscard]] Vectors Position(int point) const {
+    return Three(scratch_.points, point * rod::layout::kPointRows + rod::layout::kPosition);
+  }
+  [[nodiscard]] Vectors LastVelocity(int point) const {
+    return Three(scratch_.points, point * rod::layout::kPointRows + rod::layout::kLastVelocity);
+  }
+  [[nodiscard]] Vectors Velocity(int point) const { return Three(scratch_.velocities, 3 * point); }
   /// To the nearest body [m]; large where none is within reach.
   [[nodiscard]] float Distance(int point, int lane) const {
     return scratch_.meetings[point * kMeetingRows + kDistance].lane[lane];
@@ -110,12 +116,15 @@ class BlockStep {
   /// Mass that it stands for [kg].
   [[nodiscard]] float Mass(int point, int lane) const;
   /// Sets what others push it with in the next solution [kg m/s].
-  void SetImpulse(int point, int lane, const Eigen::Vector3f& impulse);
+  void SetImpulse(int point, Vectors impulse);
 
   /// Solutions after the second, at most (K8).
   static constexpr int kCorrections = 3;
 
  private:
+  [[nodiscard]] static Vectors Three(const std::vector<rod::Row<float>>& rows, int row) {
+    return Vectors(&rows[static_cast<size_t>(row)], 3);
+  }
   [[nodiscard]] MeetingBlock Meetings();
   // Looks at a group between points where it turns sharply (K14); `seen` is of its points.
   void LookBetween(size_t group, const rod::Row<float>* seen);

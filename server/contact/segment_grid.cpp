@@ -9,7 +9,7 @@ constexpr float kCell = 0.6f;       // Side of a cell, by the largest box in its
 constexpr float kFirst = 1.25f;     // Largest box of the first grids, by the mean one.
 constexpr float kSmallest = 1e-3f;  // Box that is told from smaller ones [m].
 constexpr float kLong = 1.5f;       // A box is long along an axis that is so many others.
-constexpr size_t kSamples = 500;    // Queries that tell how many tests they make.
+constexpr size_t kSamples = 100;    // Queries that tell how many tests they make.
 
 float Size(const SegmentBox& box) { return (box.high - box.low).maxCoeff(); }
 

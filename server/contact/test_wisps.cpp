@@ -193,7 +193,7 @@ void Rods::Step(double dt) {
   Impulses impulses(hair.size());
   tracker.Begin(hair.View(), dt, scratch_, *pool_, impulses.View());
   std::vector<std::vector<Vector3d>> u(rods_.size());
-  for (int pass = 0; pass < passes; ++pass) {
+  for (int pass = 0; pass < passes + more_passes; ++pass) {
     Hair moved = hair;
     size_t at = 0;
     for (size_t i = 0; i < rods_.size(); ++i) {
@@ -206,8 +206,11 @@ void Rods::Step(double dt) {
         moved.uz[at++] = static_cast<float>(v.z());
       }
     }
+    const VelocitySpans velocities{moved.ux, moved.uy, moved.uz};
     if (pass + 1 < passes) {
-      tracker.Revise({moved.ux, moved.uy, moved.uz}, scratch_, *pool_, impulses.View());
+      tracker.Revise(velocities, scratch_, *pool_, impulses.View());
+    } else if (tracker.RevisePassing(velocities, scratch_, *pool_, impulses.View()).empty()) {
+      break;
     }
   }
 

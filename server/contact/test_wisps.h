@@ -72,8 +72,8 @@ struct Tracking {
 class Rods {
  public:
   WispSettings settings;
-  int passes = 3;
-  double weight_scale = 1;    ///< Factor on all weights.
+  int passes = 3, more_passes = 3;  ///< Of all, and of what would nearly pass through another.
+  double weight_scale = 1;          ///< Factor on all weights.
   bool extrapolates = false;  ///< As the rods' S4 does: velocities pass what the step solved for.
 
   /// From `a` to `b`, as `points` points of equal share of `mass`; `weight` [m/s^2] pulls on it.

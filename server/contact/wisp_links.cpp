@@ -80,15 +80,15 @@ void Measure(const WispNeighbours& neighbours, size_t l, WispScratch& scratch) {
   const auto begin = static_cast<size_t>(link.point), end = begin + static_cast<size_t>(link.count);
   const auto& x = neighbours.place;
   const auto& last = scratch.last_place;
-  link.moved = 0.5f * (x[begin] - last[begin] + x[end] - last[end]);
-  link.sweep = 0.5f * (scratch.sweep[begin] + scratch.sweep[end]);
+  const Vector3f moved = 0.5f * (x[begin] - last[begin] + x[end] - last[end]);
+  const Vector3f mean_sweep = 0.5f * (scratch.sweep[begin] + scratch.sweep[end]);
   const Vector3f d = x[end] - x[begin];
   const float inverse_dd = 1 / std::max(d.squaredNorm(), 1e-12f);
   const Vector3f first = scratch.sweep[begin], last_sweep = scratch.sweep[end];
   float wobble = 0, spread = 0, ripple = 0, bulge = 0, length = 0, away = 0, sweep = 0;
   for (size_t p = begin; p <= end; ++p) {
-    wobble = std::max(wobble, (x[p] - last[p] - link.moved).squaredNorm());
-    spread = std::max(spread, (scratch.sweep[p] - link.sweep).squaredNorm());
+    wobble = std::max(wobble, (x[p] - last[p] - moved).squaredNorm());
+    spread = std::max(spread, (scratch.sweep[p] - mean_sweep).squaredNorm());
     away = std::max(away, (x[p] - neighbours.searched[p + l]).squaredNorm());
     sweep = std::max(sweep, scratch.sweep[p].squaredNorm());
     if (p == begin) continue;
@@ -100,9 +100,9 @@ void Measure(const WispNeighbours& neighbours, size_t l, WispScratch& scratch) {
     ripple =
         std::max(ripple, (scratch.sweep[p] - first - part * (last_sweep - first)).squaredNorm());
   }
-  link.wobble = std::sqrt(wobble);
-  link.spread = std::sqrt(spread);
-  link.fast = link.sweep.norm() + link.spread;
+  LinkMotion& motion = scratch.motions[l];
+  motion.moved = {moved.x(), moved.y(), moved.z(), std::sqrt(wobble)};
+  motion.sweep = {mean_sweep.x(), mean_sweep.y(), mean_sweep.z(), std::sqrt(spread)};
   link.bulge = std::sqrt(bulge);
   link.ripple = std::sqrt(ripple);
   link.half = 0.5f * std::sqrt(length);
@@ -153,6 +153,7 @@ void MeasureLinks(const WispPoints& points, size_t g, const WispStep& step, cons
     for (int32_t p = link.point; p < end; ++p) {
       if (scratch.guide_of[static_cast<size_t>(p)] < 0) link.reach = 0;
     }
+    scratch.motions[static_cast<size_t>(l)].reach = link.reach;
     if (link.reach > 0) Measure(neighbours, static_cast<size_t>(l), scratch);
     first = end;
   }

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -86,18 +87,27 @@ struct WispNeighbours {
   std::vector<int32_t> first_of;          ///< By guide of the first, and their number.
 };
 
+/// How a link moves, in the frame: its ends as a mean (3), and how much farther a point of it may
+/// besides (1).
+struct LinkMotion {
+  Eigen::Vector4f moved;  ///< Since the last step [m],
+  Eigen::Vector4f sweep;  ///< and in this one.
+  float reach;            ///< WispLink::reach.
+};
+
+/// How much points of two links may have moved, or will, relative to each other at most [m].
+[[nodiscard]] inline float Apart(const Eigen::Vector4f& a, const Eigen::Vector4f& b) {
+  const Eigen::Vector4f d = a - b;
+  return std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) + a[3] + b[3];
+}
+
 /// A link of segments in a step; all in the frame.
 struct WispLink {
-  Eigen::Vector3f moved;  ///< What its ends have moved since the last step, as a mean [m],
-  float wobble;           ///< and a point of it beside that at most.
-  Eigen::Vector3f sweep;  ///< What its ends will move in the step, as a mean [m],
-  float spread;           ///< and a point of it beside that at most,
-  float fast;             ///< and altogether.
-  float bulge;            ///< How far a point of it is from the line between its ends at most [m],
-  float ripple;           ///< and what it will move beside what the line does there.
-  float half;             ///< Of its longest segment [m].
-  float reach;            ///< Its wisp's radius and margin [m]; 0: it takes no part.
-  float farthest;         ///< What a point has moved since the last search and will [m].
+  float bulge;     ///< How far a point of it is from the line between its ends at most [m],
+  float ripple;    ///< and what it will move beside what the line does there.
+  float half;      ///< Of its longest segment [m].
+  float reach;     ///< Its wisp's radius and margin [m]; 0: it takes no part.
+  float farthest;  ///< What a point has moved since the last search and will [m].
   int32_t guide;
   int32_t first;  ///< Point of it as a whole,
   int32_t point;  ///< and of what of it lies beyond the root,

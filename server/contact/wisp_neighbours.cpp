@@ -358,6 +358,7 @@ void FindNeighbours(const WispPoints& points, const WispStep& step, const WispSe
   scratch.sweep.resize(points.mass.size());
   scratch.start.resize(points.mass.size());
   scratch.links.resize(neighbours.around.size());
+  scratch.motions.resize(neighbours.around.size());
   scratch.boxes.resize(neighbours.around.size());
   scratch.moved.resize(neighbours.around.size());
   scratch.spare.resize(neighbours.around.size());

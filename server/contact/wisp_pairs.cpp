@@ -6,6 +6,7 @@
 #include <tuple>
 #include <utility>
 
+#include "contact/wisp_ends.h"
 #include "contact/wisp_impulse.h"
 #include "contact/wisp_neighbours.h"
 #include "contact/wisp_search.h"
@@ -14,13 +15,10 @@
 namespace mane::contact {
 namespace {
 
-using Eigen::Vector3d;
 using Eigen::Vector3f;
 using Contact = WispScratch::Contact;
 
 constexpr int kGuidesAPiece = WispScratch::kGuidesAPiece;
-constexpr int kPairsAPiece = 256;
-constexpr int kPointsAPiece = 1024;
 // A pair goes on along its guides by this many segments within a step.
 constexpr float kFarthestFollowed = 2.5f;
 // A push that stops the pair at no more than this goes on; larger ones may double in a step [m/s].
@@ -28,6 +26,7 @@ constexpr float kCarried = 0.3f;
 // What slides no faster goes on being held [m/s].
 constexpr float kSticking = 0.02f;
 constexpr float kLostCrossed = 2;  // Wisps that crossed and are this many radii apart are let go.
+constexpr float kFastestParting = 10;  // What parts faster is let go as at this [m/s].
 
 auto GuidesOf(const WispPair& pair) { return std::tie(pair.guide[0], pair.guide[1]); }
 
@@ -78,7 +77,17 @@ void Continue(const WispPair& old, bool first, double steps, WispPair& pair) {
   pair.rebound = static_cast<float>((1 - rod::kTheta) / rod::kTheta) * push;
 }
 
-// The pairs of one piece of guides: found ones, then those that were crossed and lost sight of.
+// Whether a pair that was lost sight of goes on: crossed wisps until they are far apart, and those
+// that part too fast to be near each other at the end of a step, in which they may yet turn round
+// and pass through (H4).
+bool GoesOn(const WispPair& pair, const Contact& contact, float reach, float dt) {
+  const float distance = contact.start.norm(), near = (1 + kMargin) * reach;
+  if (contact.start.dot(pair.normal) < 0) return distance <= kLostCrossed * reach;
+  const float parting = (pair.velocity[0] - pair.velocity[1]).dot(pair.normal);
+  return distance > near && distance <= near + dt * std::min(parting, kFastestParting);
+}
+
+// The pairs of one piece of guides: found ones, then those that were lost sight of.
 void FindPairs(const WispPoints& points, const WispStep& step, const WispSettings& settings,
                double steps, int begin, int end, WispScratch& scratch, WispNeighbours& neighbours,
                WispScratch::Piece& piece) {
@@ -102,9 +111,9 @@ void FindPairs(const WispPoints& points, const WispStep& step, const WispSetting
 
   const auto by_guide = [](const WispPair& pair, int guide) { return pair.guide[0] < guide; };
   const size_t found = piece.pairs.size();
-  thread_local std::vector<Contact> crossed;
+  thread_local std::vector<Contact> lost;
   thread_local std::vector<const WispPair*> old_of;
-  crossed.clear(), old_of.clear();
+  lost.clear(), old_of.clear();
   for (auto old = std::lower_bound(scratch.pairs.begin(), scratch.pairs.end(), begin, by_guide);
        old != scratch.pairs.end() && old->guide[0] < end; ++old) {
     const auto usable = [&](int k) {
@@ -115,24 +124,21 @@ void FindPairs(const WispPoints& points, const WispStep& step, const WispSetting
         !usable(1)) {
       continue;
     }
-    crossed.push_back({{old->guide[0], old->guide[1]},
-                       {old->point[0], old->point[1]},
-                       {old->point[0], old->point[1]}});
+    lost.push_back({{old->guide[0], old->guide[1]},
+                    {old->point[0], old->point[1]},
+                    {old->point[0], old->point[1]}});
     old_of.push_back(&*old);
   }
-  FindApproaches(points, step, scratch, crossed);
-  for (size_t k = 0; k < crossed.size(); ++k) {
-    const Contact& contact = crossed[k];
+  FindApproaches(points, step, scratch, lost);
+  for (size_t k = 0; k < lost.size(); ++k) {
+    const Contact& contact = lost[k];
     const WispPair& old = *old_of[k];
     const WispPair pair = MakePair(points, step, settings, scratch, contact, &old);
-    const float reach = SumOfRadii(points, pair.guide);
-    if (contact.start.dot(pair.normal) >= 0 || contact.start.norm() > kLostCrossed * reach) {
-      continue;
-    }
+    if (!GoesOn(pair, contact, SumOfRadii(points, pair.guide), step.dt)) continue;
     piece.pairs.push_back(pair);
     Continue(old, true, steps, piece.pairs.back());
   }
-  KeepRoom(crossed), KeepRoom(old_of);
+  KeepRoom(lost), KeepRoom(old_of);
   KeepRoom(piece.pairs);
   if (piece.pairs.size() == found) return;
   std::sort(piece.pairs.begin(), piece.pairs.end(), [](const WispPair& a, const WispPair& b) {
@@ -141,50 +147,15 @@ void FindPairs(const WispPoints& points, const WispStep& step, const WispSetting
   });
 }
 
-// Lists the pairs' ends by segment.
-void ListEnds(std::span<const WispPair> pairs, size_t points, WispScratch& scratch) {
-  auto& first = scratch.first_end;
-  first.assign(points + 1, 0);
-  for (const WispPair& pair : pairs) {
-    for (const int32_t point : pair.point) ++first[static_cast<size_t>(point)];
-  }
-  int32_t sum = 0;
-  for (int32_t& k : first) k = sum += k;
-  scratch.ends.resize(static_cast<size_t>(sum));
-  for (size_t i = pairs.size(); i-- > 0;) {
-    for (int side = 2; side-- > 0;) {
-      const auto point = static_cast<size_t>(pairs[i].point[side]);
-      scratch.ends[static_cast<size_t>(--first[point])] = {static_cast<int32_t>(i), side};
-    }
-  }
-}
-
-// Calls visit(pair, side, weight) for the pairs that act on a point, always in one order.
-template <typename Visit>
-void ForPairsAt(size_t point, std::span<const WispPair> pairs, const WispScratch& scratch,
-                const Visit& visit) {
-  for (size_t segment = point - (point > 0); segment <= point; ++segment) {
-    for (int32_t e = scratch.first_end[segment]; e < scratch.first_end[segment + 1]; ++e) {
-      const WispScratch::End& end = scratch.ends[static_cast<size_t>(e)];
-      const WispPair& pair = pairs[static_cast<size_t>(end.pair)];
-      const float s = pair.fraction[end.side];
-      visit(pair, end.side, segment == point ? 1 - s : s);
-    }
-  }
-}
-
 // (H6): a point's mass is shared by the pairs that may act on it.
 void ShareMasses(const WispPoints& points, float dt, std::span<WispPair> pairs,
                  WispScratch& scratch, exec::WorkerPool& pool) {
   scratch.share.resize(points.mass.size());
   pool.ParallelFor(points.size(), kPointsAPiece, [&](int begin, int end) {
-    for (auto p = static_cast<size_t>(begin); p < static_cast<size_t>(end); ++p) {
-      float share = 0;
-      ForPairsAt(p, pairs, scratch, [&](const WispPair& pair, int, float weight) {
-        if (MayTouch(pair, dt)) share += weight;
-      });
-      scratch.share[p] = share;
-    }
+    SumAtPoints(
+        begin, end, pairs, scratch, 0.0f,
+        [&](const WispPair& pair, int) { return MayTouch(pair, dt) ? 1.0f : 0.0f; },
+        [&](size_t p, float share) { scratch.share[p] = share; });
   });
   pool.ParallelFor(static_cast<int>(pairs.size()), kPairsAPiece, [&](int begin, int end) {
     for (WispPair& pair :
@@ -195,39 +166,6 @@ void ShareMasses(const WispPoints& points, float dt, std::span<WispPair> pairs,
         pair.inverse_mass[k] = (1 - s) * std::max(1 - s, scratch.share[p]) / points.mass[p] +
                                s * std::max(s, scratch.share[p + 1]) / points.mass[p + 1];
       }
-    }
-  });
-}
-
-// (H11): what the last change of impulses tells of the guides' masses.
-void WeighGuides(std::span<const WispPair> pairs, int pass, const WispScratch& scratch,
-                 exec::WorkerPool& pool, std::vector<Heaviness>& heaviness) {
-  pool.ParallelFor(static_cast<int>(heaviness.size()), kGuidesAPiece, [&](int begin, int end) {
-    for (auto g = static_cast<size_t>(begin); g < static_cast<size_t>(end); ++g) {
-      Weighing weighing;
-      const auto first = static_cast<size_t>(scratch.first_point[g]);
-      const auto last = static_cast<size_t>(scratch.first_point[g + 1]);
-      for (int32_t e = scratch.first_end[first]; e < scratch.first_end[last]; ++e) {
-        const WispScratch::End& at = scratch.ends[static_cast<size_t>(e)];
-        weighing.Add(pairs[static_cast<size_t>(at.pair)], at.side, pass);
-      }
-      weighing.Finish(heaviness[g]);
-    }
-  });
-}
-
-// Sums the pairs' impulses at every point (H13).
-void Spread(std::span<const WispPair> pairs, const WispScratch& scratch, exec::WorkerPool& pool,
-            const ImpulseSpans& impulses) {
-  pool.ParallelFor(static_cast<int>(impulses.x.size()), kPointsAPiece, [&](int begin, int end) {
-    for (auto p = static_cast<size_t>(begin); p < static_cast<size_t>(end); ++p) {
-      Vector3d sum = Vector3d::Zero();
-      ForPairsAt(p, pairs, scratch, [&](const WispPair& pair, int side, float weight) {
-        sum += (side == 0 ? weight : -weight) * pair.impulse.cast<double>();
-      });
-      impulses.x[p] = static_cast<float>(sum.x());
-      impulses.y[p] = static_cast<float>(sum.y());
-      impulses.z[p] = static_cast<float>(sum.z());
     }
   });
 }
@@ -261,6 +199,8 @@ void WispTracker::Begin(const WispPoints& points, double dt, WispScratch& scratc
   scratch.pairs.reserve(pairs_.capacity());
   scratch.ends.reserve(2 * pairs_.capacity());
   scratch.followed.reserve(pairs_.capacity());
+  scratch.passing.reserve(pairs_.capacity());
+  scratch.passing.resize(pairs_.size());
   scratch.first_point.assign(points.first.begin(), points.first.end());
   heaviness_.resize(points.radius.size());
   ListEnds(pairs_, points.mass.size(), scratch);
@@ -274,26 +214,7 @@ void WispTracker::Begin(const WispPoints& points, double dt, WispScratch& scratc
   }
   last_dt_ = dt;
   passes_ = 0;
-  Spread(pairs_, scratch, pool, impulses);
-}
-
-void WispTracker::Revise(const VelocitySpans& velocities, WispScratch& scratch,
-                         exec::WorkerPool& pool, const ImpulseSpans& impulses) {
-  const auto for_pairs = [&](const auto& visit) {
-    pool.ParallelFor(static_cast<int>(pairs_.size()), kPairsAPiece, [&](int begin, int end) {
-      for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) visit(pairs_[i]);
-    });
-  };
-  for_pairs([&](WispPair& pair) {
-    for (int k = 0; k < 2; ++k) pair.velocity[k] = SideVelocity(pair, k, velocities);
-  });
-  WeighGuides(pairs_, passes_, scratch, pool, heaviness_);
-  for_pairs([&](WispPair& pair) {
-    SetMasses(heaviness_, pair);
-    ReviseImpulse(pair);
-  });
-  ++passes_;
-  Spread(pairs_, scratch, pool, impulses);
+  SpreadImpulses(pairs_, scratch, pool, impulses);
 }
 
 }  // namespace mane::contact

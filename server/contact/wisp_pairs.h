@@ -46,7 +46,8 @@ struct WispPair {
   float fraction[2];        ///< On the segment, in [0, 1]: where they touch.
   Eigen::Vector3f normal;   ///< Unit vector from the second to the first, on the side it came from.
   float reference;          ///< Distance that they keep [m].
-  float gap;                ///< At the start of the step: distance along the normal less that [m].
+  float gap;                ///< At the start of the step: distance along the normal less that [m];
+  float passing;            ///< what it is at the end where they nearly pass through [m].
   Eigen::Vector3f impulse;  ///< On the first; the second receives the opposite [kg m/s].
 
   float inverse_mass[2];  ///< Of each side's two points, by the pairs that share them [1/kg], (H6).
@@ -118,8 +119,9 @@ struct WispScratch {
   std::vector<Eigen::Vector3f> sweep;       ///< and what points will move in the frame [m].
   std::vector<Eigen::Vector3f> start;       ///< Points at the start of the step [m].
   std::vector<WispLink> links;
-  std::vector<SegmentBox> boxes;  ///< Of links.
-  std::vector<uint8_t> moved;     ///< Whether a link's neighbours are searched anew.
+  std::vector<LinkMotion> motions;  ///< Of links.
+  std::vector<SegmentBox> boxes;    ///< Of links.
+  std::vector<uint8_t> moved;       ///< Whether a link's neighbours are searched anew.
   /// WispNeighbours::Around's, as a search leaves them; the first at least what it is before [m].
   std::vector<float> spare, widest;
   SegmentGrid grid;
@@ -135,6 +137,9 @@ struct WispScratch {
   std::vector<End> ends;
   std::vector<int32_t> first_point;  ///< By guide, and their number.
   std::vector<float> share;          ///< By how many pairs a point is pressed, (H6).
+  std::vector<uint8_t> passing;      ///< Which pairs RevisePassing revises,
+  std::vector<int32_t> revised;      ///< the guides of those,
+  std::vector<Heaviness> heaviness;  ///< and how heavy they are for it.
 };
 
 /// Keeps track of where the wisps of a head touch, and finds the impulses between them.
@@ -165,6 +170,14 @@ class WispTracker {
   /// @param impulses  set at every point.
   void Revise(const VelocitySpans& velocities, WispScratch& scratch, exec::WorkerPool& pool,
               const ImpulseSpans& impulses);
+
+  /// The same, only of the pairs that would nearly pass through each other by what the last pass
+  /// gave: for passes beyond those that all strands take part in. Other impulses stay.
+  ///
+  /// @return the guides, rising, on which impulses have changed; good until the next step.
+  [[nodiscard]] std::span<const int32_t> RevisePassing(const VelocitySpans& velocities,
+                                                       WispScratch& scratch, exec::WorkerPool& pool,
+                                                       const ImpulseSpans& impulses);
 
   /// Forgets all, for a head that is put to rest.
   void Clear() {

@@ -3,7 +3,9 @@
 //   relax      a distance that was met turns into that of the rest shape; what meets later keeps
 //              that one at once
 //   side       what crossed is pushed back to the side that it came from
-//   forget     what is apart is no pair
+//   forget     what is apart is no pair, but what parts may turn round within the step
+//   passing    what turns round all at once is stopped before it is through; only its pairs are
+//              revised for it
 //   workers    the same bits for any number of them, for copies too, and no allocation once warm
 //   bounded    whatever comes in, what comes out is finite and bounded
 
@@ -149,6 +151,81 @@ TEST(WispPairsTest, WhatIsApartIsForgotten) {
   EXPECT_GT(tracking.tracker.pairs()[0].normal.y(), 0);
   tracking.Begin(Crossing(0.025, 0));  // And what crossed, if it is too far off.
   EXPECT_TRUE(tracking.tracker.pairs().empty());
+}
+
+TEST(WispPairsTest, WhatPartsFastMayTurnRound) {
+  const double away = 0.0145, h = rod::kTheta * kDt;  // Out of reach by 2 mm.
+  for (const double speed : {0.05, 0.3}) {
+    Tracking tracking(FromTheRoot());
+    tracking.Begin(Crossing(0.008, 0));
+    tracking.Begin(Crossing(away + h * speed, speed));
+    const bool goes_on = kDt * speed > 0.002;
+    EXPECT_EQ(tracking.tracker.pairs().size(), goes_on ? 1u : 0u) << speed;
+    tracking.Begin(Crossing(-0.004, 0));  // It is through all at once.
+    ASSERT_EQ(tracking.tracker.pairs().size(), 1u);
+    EXPECT_EQ(tracking.tracker.pairs()[0].normal.y() < 0, goes_on) << speed;
+  }
+}
+
+TEST(WispPairsTest, WhatTurnsRoundAllAtOnceIsStopped) {
+  for (const int more : {0, 3}) {
+    fixtures::Rods rods;
+    rods.settings.root_length = 0;
+    rods.more_passes = more;
+    rods.WatchDistance();
+    for (const double z : {-0.035, 0.0, 0.035}) {
+      rods.Add({-0.05, 0, z}, {0.05, 0, z}, 11, 1e-4, 0.005f, 0, Vector3d::Zero(), true);
+    }
+    // It lies over them and is thrown down by 8 m/s within a step.
+    rods.Add({0, 0.011, -0.05}, {0, 0.011, 0.05}, 11, 1e-4, 0.005f, 0, Vector3d::Zero(), true,
+             {0, -480, 0});
+    rods.weight_scale = 0;
+    rods.Step(kDt);
+    rods.weight_scale = 1;
+    rods.Step(kDt);
+    rods.weight_scale = 0;
+    for (int i = 0; i < 30; ++i) rods.Step(kDt);
+    if (more == 0) {
+      EXPECT_LT(rods.least_distance(), 0.001);  // It hardly is without.
+    } else {
+      EXPECT_GT(rods.least_distance(), 0.003);
+    }
+    EXPECT_GT((rods.Centre(3) - rods.Centre(1)).y(), 0.01);
+  }
+}
+
+TEST(WispPairsTest, OnlyWhatWouldPassIsRevised) {
+  // Two crossings a metre apart, of which the second goes fast all at once.
+  Hair hair = Crossing(0.011, 0);
+  const Hair same = Crossing(0.011, 0);
+  for (int g = 0; g < 2; ++g) {
+    hair.AddGuide(0.005f, 0);
+    for (size_t p = 2 * g; p < 2u * g + 2; ++p) {
+      hair.AddPoint({same.x[p] + 1.0, same.y[p], same.z[p]}, Vector3d::Zero(), 1e-6);
+    }
+  }
+  Tracking tracking(FromTheRoot());
+  tracking.Begin(hair);
+  ASSERT_EQ(tracking.tracker.pairs().size(), 2u);
+  Hair moving = hair;
+  for (size_t p = 0; p < 4; ++p) moving.uy[p] = p < 2 ? 0.0f : -0.05f;
+  tracking.Revise(moving);
+  const Impulses before = tracking.impulses;
+  const auto revise = [&] {
+    const auto guides =
+        tracking.tracker.RevisePassing({moving.ux, moving.uy, moving.uz}, tracking.scratch,
+                                       tracking.pool, tracking.impulses.View());
+    return std::vector<int32_t>(guides.begin(), guides.end());
+  };
+  EXPECT_TRUE(revise().empty());
+  EXPECT_EQ(tracking.impulses.y, before.y);
+  for (size_t p = 6; p < 8; ++p) moving.uy[p] = -1;  // 17 mm in the step.
+  EXPECT_EQ(revise(), (std::vector<int32_t>{2, 3}));
+  for (size_t p = 0; p < 8; ++p) {
+    EXPECT_EQ(tracking.impulses.y[p] == before.y[p], p < 4) << p;
+  }
+  EXPECT_GT(tracking.impulses.At(6).y(), 0);
+  EXPECT_LT(tracking.impulses.Sum().norm(), 1e-6 * tracking.impulses.SumOfNorms());
 }
 
 // The pairs and impulses of some steps of shaken hair.

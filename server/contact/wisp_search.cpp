@@ -58,6 +58,7 @@ struct Ordered {
 
 // Memory of one thread; grows to what it has seen and is reused.
 struct Piece {
+  std::vector<int32_t> close;  // Pairs that may touch.
   std::vector<Look> looks;
   std::vector<int32_t> lost, waking;  // Pairs that have to be looked at once more.
   std::vector<Candidate> candidates;
@@ -79,6 +80,9 @@ struct Search {
   [[nodiscard]] Pair& PairAt(int32_t k) const { return neighbours.pairs[static_cast<size_t>(k)]; }
   [[nodiscard]] const WispLink& LinkAt(int32_t l) const {
     return scratch.links[static_cast<size_t>(l)];
+  }
+  [[nodiscard]] const LinkMotion& MotionOf(int32_t l) const {
+    return scratch.motions[static_cast<size_t>(l)];
   }
   [[nodiscard]] float Reach(const Pair& pair) const {
     return LinkAt(pair.first).reach + LinkAt(pair.second).reach;
@@ -103,21 +107,35 @@ void Add(const Search& search, const Look& look, const int32_t point[2], float d
 // What two links may do in the step.
 Look LookAt(const Search& search, int32_t k) {
   const Pair& pair = search.PairAt(k);
-  const WispLink &a = search.LinkAt(pair.first), &b = search.LinkAt(pair.second);
-  return {k, a.reach + b.reach, (a.sweep - b.sweep).norm() + a.spread + b.spread, pair.known()};
+  const LinkMotion &a = search.MotionOf(pair.first), &b = search.MotionOf(pair.second);
+  return {k, a.reach + b.reach, Apart(a.sweep, b.sweep), pair.known()};
 }
 
-// Brings the slack of two links up to the step, and lists them where they may touch in it: to be
-// looked at, or as a candidate where they touch since the last step and hardly move.
+// Brings the slack of pairs [begin, end) up to the step, and lists those that may touch in it.
+// Which do is hard to guess: without branches.
+void FindClose(const Search& search, int32_t begin, int32_t end) {
+  std::vector<int32_t>& close = search.piece.close;
+  close.resize(static_cast<size_t>(end - begin));
+  size_t count = 0;
+  for (int32_t k = begin; k < end; ++k) {
+    Pair& pair = search.PairAt(k);
+    const LinkMotion &a = search.MotionOf(pair.first), &b = search.MotionOf(pair.second);
+    pair.slack -= Apart(a.moved, b.moved);
+    const float reach = a.reach + b.reach;
+    const float enough = std::max(-kLate * reach, Apart(a.sweep, b.sweep) - kStill * reach);
+    close[count] = k;
+    count += static_cast<size_t>(!(pair.slack > enough)) | static_cast<size_t>(pair.known());
+  }
+  close.resize(count);
+}
+
+// Lists two links that may touch: to be looked at, or as a candidate where they touch since the
+// last step and hardly move.
 void Visit(const Search& search, int32_t k) {
-  Pair& pair = search.PairAt(k);
+  const Pair& pair = search.PairAt(k);
   const WispLink &a = search.LinkAt(pair.first), &b = search.LinkAt(pair.second);
-  pair.slack -= (a.moved - b.moved).norm() + a.wobble + b.wobble;
-  if (!pair.known() && pair.slack > a.fast + b.fast) return;  // Whatever ways they go.
-  const Look look = LookAt(search, k);
-  const float enough = std::max(-kLate * look.reach, look.sweep - kStill * look.reach);
-  if (pair.slack > enough && !look.followed) return;
   if (!(a.reach > 0) || !(b.reach > 0)) return;
+  const Look look = LookAt(search, k);
   if (look.followed && pair.slack > 0 && look.sweep < kFollowed * look.reach) {
     const int32_t point[2] = {a.point + pair.segment[0], b.point + pair.segment[1]};
     Add(search, look, point, kUnknown, true);
@@ -236,10 +254,9 @@ void FindCandidates(const Search& search, int32_t begin, int32_t end) {
   piece.candidates.clear(), piece.at.clear();
   piece.looks.clear(), piece.lost.clear(), piece.waking.clear();
   const auto& first_of = search.neighbours.first_of;
-  for (int32_t k = first_of[static_cast<size_t>(begin)]; k < first_of[static_cast<size_t>(end)];
-       ++k) {
-    Visit(search, k);
-  }
+  FindClose(search, first_of[static_cast<size_t>(begin)], first_of[static_cast<size_t>(end)]);
+  KeepRoom(piece.close);
+  for (const int32_t k : piece.close) Visit(search, k);
   KeepRoom(piece.looks);
   LookAtAll(search);
   Touch(search, 0);

@@ -1,6 +1,7 @@
 #include "head/wisps.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -15,7 +16,8 @@ namespace {
 using contact::BlockStep;
 using rod::layout::kLanes;
 
-constexpr int kPasses = 3;  // Solutions of a step (contact.md, Hair against hair).
+constexpr int kPasses = 3;      // Solutions of a step (contact.md, Hair against hair),
+constexpr int kMostPasses = 6;  // and of those that would nearly pass through each other.
 constexpr int kBlocksPerPiece = 2;
 constexpr double kCurledBend = 150;  // Natural curvature of half curliness [1/m].
 
@@ -23,8 +25,9 @@ struct Lists {
   std::vector<float> x, y, z;
 
   void Resize(size_t n) { x.resize(n), y.resize(n), z.resize(n); }
-  void Set(size_t i, const Eigen::Vector3f& v) { x[i] = v.x(), y[i] = v.y(), z[i] = v.z(); }
-  [[nodiscard]] Eigen::Vector3f At(size_t i) const { return {x[i], y[i], z[i]}; }
+  void Set(size_t i, BlockStep::Vectors v, int lane) {
+    x[i] = v[0].lane[lane], y[i] = v[1].lane[lane], z[i] = v[2].lane[lane];
+  }
   [[nodiscard]] contact::PointSpans Points() const { return {x, y, z}; }
   [[nodiscard]] contact::VelocitySpans Velocities() const { return {x, y, z}; }
   [[nodiscard]] contact::ImpulseSpans Impulses() { return {x, y, z}; }
@@ -35,19 +38,53 @@ struct Memory {
   std::vector<contact::BatchContactScratch> scratch;  // By block.
   std::vector<std::optional<BlockStep>> steps;
   std::vector<const contact::BodyGroup*> groups;
+  std::vector<uint8_t> due;  // Which blocks are solved once more.
   Lists position, last, velocity, impulse, volume;
   contact::WispScratch wisps;
   contact::DensityGrid grid;
 };
 
-// Calls visit(step, block, point, lane, index of the point among all) for the points of block `i`.
+// Where the points of each strand of a block begin among all; the last lanes repeat one.
+std::array<int, kLanes> FirstPoints(const Wisps& wisps, const rod::Batch<float>::Block& block) {
+  std::array<int, kLanes> first;
+  for (int lane = 0; lane < kLanes; ++lane) {
+    first[lane] = wisps.first[wisps.place[block.strands[lane]]];
+  }
+  return first;
+}
+
+// Calls visit(point, lane, index of the point among all) for the points of a block.
 template <typename Visit>
-void ForPoints(const groom::Groom& groom, const Wisps& wisps, int i, const BlockStep& step,
-               int lanes, const Visit& visit) {
-  const auto& block = groom.batch.blocks()[i];
-  for (int lane = 0; lane < lanes; ++lane) {
-    const int first = wisps.first[wisps.place[block.strands[lane]]];
-    for (int point = 0; point < step.points(); ++point) visit(point, lane, first + point);
+void ForPoints(const Wisps& wisps, const rod::Batch<float>::Block& block, const BlockStep& step,
+               const Visit& visit) {
+  const std::array<int, kLanes> first = FirstPoints(wisps, block);
+  for (int point = 0; point < step.points(); ++point) {
+    for (int lane = 0; lane < block.count; ++lane) visit(point, lane, first[lane] + point);
+  }
+}
+
+// The sums of two lists' numbers of a point of a block.
+std::array<rod::Row<float>, 3> Sums(const Lists& a, const Lists& b,
+                                    const std::array<int, kLanes>& first, int point) {
+  std::array<rod::Row<float>, 3> sums;
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const int i = first[lane] + point;
+    sums[0].lane[lane] = a.x[i] + b.x[i];
+    sums[1].lane[lane] = a.y[i] + b.y[i];
+    sums[2].lane[lane] = a.z[i] + b.z[i];
+  }
+  return sums;
+}
+
+// Marks the blocks that hold any of `guides`, which are counted block by block and rise.
+void FindBlocks(std::span<const rod::Batch<float>::Block> blocks, std::span<const int32_t> guides,
+                std::vector<uint8_t>* due) {
+  due->assign(blocks.size(), 0);
+  size_t i = 0;
+  int end = blocks[0].count;
+  for (const int32_t guide : guides) {
+    while (guide >= end) end += blocks[++i].count;
+    (*due)[i] = 1;
   }
 }
 
@@ -96,9 +133,10 @@ Wisps MakeWisps(const groom::Groom& groom, const Bodies& bodies, exec::WorkerPoo
     std::vector<rod::Row<float>> memory(contact::MemoryRows(first_points[i].back(), 0));
     BlockStep step(among, groom.batch, blocks[i], first_points[i], drive, memory, guides, scratch);
     step.Begin();
-    ForPoints(groom, wisps, i, step, blocks[i].count, [&](int point, int lane, int index) {
-      const Eigen::Vector3f p = step.Position(point, lane);
-      wisps.x[index] = p.x(), wisps.y[index] = p.y(), wisps.z[index] = p.z();
+    ForPoints(wisps, blocks[i], step, [&](int point, int lane, int index) {
+      const BlockStep::Vectors p = step.Position(point);
+      wisps.x[index] = p[0].lane[lane], wisps.y[index] = p[1].lane[lane],
+      wisps.z[index] = p[2].lane[lane];
       wisps.mass[index] = step.Mass(point, lane);
     });
   }
@@ -134,9 +172,6 @@ void StepAmongWisps(const groom::Groom& groom, const WispStep& step,
       for (int i = first; i < last; ++i) visit(i);
     });
   };
-  const auto for_points = [&](int i, int lanes, const auto& visit) {
-    ForPoints(groom, wisps, i, *memory.steps[i], lanes, visit);
-  };
 
   for_blocks([&](int i) {
     const Contact::Block& block = contact->blocks[i];
@@ -146,9 +181,9 @@ void StepAmongWisps(const groom::Groom& groom, const WispStep& step,
                                 std::span(contact->memory).subspan(block.first, block.rows), guides,
                                 memory.scratch[i], true);
     own_step.Begin();
-    for_points(i, blocks[i].count, [&](int point, int lane, int index) {
-      memory.position.Set(index, own_step.Position(point, lane));
-      memory.last.Set(index, own_step.LastVelocity(point, lane));
+    ForPoints(wisps, blocks[i], own_step, [&](int point, int lane, int index) {
+      memory.position.Set(index, own_step.Position(point), lane);
+      memory.last.Set(index, own_step.LastVelocity(point), lane);
     });
   });
   const contact::WispPoints wisp_points{memory.position.Points(),
@@ -162,24 +197,35 @@ void StepAmongWisps(const groom::Groom& groom, const WispStep& step,
   memory.grid.Push({memory.position.Points(), memory.last.Velocities(), wisps.mass, wisps.density},
                    step.dt, pool, memory.volume.Impulses());
 
-  for (int pass = 0; pass < kPasses; ++pass) {
-    for_blocks([&](int i) {
-      BlockStep& own_step = *memory.steps[i];
-      for_points(i, kLanes, [&](int point, int lane, int index) {
-        own_step.SetImpulse(point, lane, memory.impulse.At(index) + memory.volume.At(index));
-      });
-      // What another worker is at is left alone.
-      if ((i + 1) % kBlocksPerPiece != 0 && i + 1 < count) memory.steps[i + 1]->ExpectSolve();
-      own_step.Solve();
-      if (pass == 0) (void)own_step.Revise();
-      for_points(i, blocks[i].count, [&](int point, int lane, int index) {
-        memory.velocity.Set(index, own_step.Velocity(point, lane));
-      });
+  const auto solve = [&](int i, bool is_first) {
+    BlockStep& own_step = *memory.steps[i];
+    const std::array<int, kLanes> first = FirstPoints(wisps, blocks[i]);
+    for (int point = 0; point < own_step.points(); ++point) {
+      own_step.SetImpulse(point, Sums(memory.impulse, memory.volume, first, point));
+    }
+    // What another worker is at is left alone.
+    if ((i + 1) % kBlocksPerPiece != 0 && i + 1 < count) memory.steps[i + 1]->ExpectSolve();
+    own_step.Solve();
+    if (is_first) (void)own_step.Revise();
+    ForPoints(wisps, blocks[i], own_step, [&](int point, int lane, int index) {
+      memory.velocity.Set(index, own_step.Velocity(point), lane);
     });
+  };
+  for (int pass = 0; pass < kPasses; ++pass) {
+    for_blocks([&](int i) { solve(i, pass == 0); });
     if (pass + 1 < kPasses) {
       contact->wisps.Revise(memory.velocity.Velocities(), memory.wisps, pool,
                             memory.impulse.Impulses());
     }
+  }
+  for (int pass = kPasses; pass < kMostPasses; ++pass) {
+    const std::span<const int32_t> revised = contact->wisps.RevisePassing(
+        memory.velocity.Velocities(), memory.wisps, pool, memory.impulse.Impulses());
+    if (revised.empty()) break;
+    FindBlocks(blocks, revised, &memory.due);
+    for_blocks([&](int i) {
+      if (memory.due[i] != 0) solve(i, false);
+    });
   }
   for_blocks([&](int i) {
     BlockStep& own_step = *memory.steps[i];

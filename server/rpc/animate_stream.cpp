@@ -110,18 +110,18 @@ void AnimateStream::StartOpening(const v1::OpenHead& open) {
   const auto finish = [self = self_, open] { self->FinishOpening(self->Open(open)); };
   requests_.Post([self = self_, name = open.groom(), finish] {
     // Fields of meshes that nobody has used lately take seconds, which others need not wait for.
-    if (self->MustMakeFields(name)) {
-      self->grooms_.makers().Post(finish);
+    if (exec::WorkerPool* const makers = self->MakersOf(name)) {
+      makers->Post(finish);
     } else {
       finish();
     }
   });
 }
 
-bool AnimateStream::MustMakeFields(const std::string& groom) try {
-  return grooms_.MustMakeFields(groom);
+exec::WorkerPool* AnimateStream::MakersOf(const std::string& groom) try {
+  return grooms_.MakersOf(groom);
 } catch (const std::exception&) {
-  return false;  // Open meets the same fault, and tells it.
+  return nullptr;  // Open meets the same fault, and tells it.
 }
 
 Result<session::OpenedHead> AnimateStream::Open(const v1::OpenHead& open) try {

@@ -47,7 +47,7 @@ class AnimateStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grp
   Result<void> Handle(const v1::AnimateRequest& request);
   Result<void> ChangeModel(const v1::SetModel& message);
   void StartOpening(const v1::OpenHead& open);
-  bool MustMakeFields(const std::string& groom);
+  exec::WorkerPool* MakersOf(const std::string& groom);
   Result<session::OpenedHead> Open(const v1::OpenHead& open);
   [[nodiscard]] bool Ending();  // Nobody waits for the head any more.
   void FinishOpening(const Result<session::OpenedHead>& opened);

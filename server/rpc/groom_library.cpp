@@ -220,9 +220,9 @@ Result<session::Asset> GroomLibrary::MakeAsset(std::shared_ptr<const groom::Groo
   return session::Asset{std::move(groom), *std::move(bodies)};
 }
 
-bool GroomLibrary::MustMakeFields(const std::string& name) {
+exec::WorkerPool* GroomLibrary::MakersOf(const std::string& name) {
   const auto groom = Load(name, "name");
-  return groom && bodies_.Missing(*groom);
+  return groom && bodies_.Missing(*groom) ? &bodies_.PoolFor(**groom) : nullptr;
 }
 
 Result<std::shared_ptr<const groom::Groom>> GroomLibrary::Read(const storage::GroomRecord& record) {

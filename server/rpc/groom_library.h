@@ -66,7 +66,7 @@ class GroomLibrary {
                                                    const std::string& field);
 
   /// The same with what its hair meets, for heads. Takes seconds where distance fields of meshes
-  /// must be made (MustMakeFields). kResourceExhausted when these in use would be too large;
+  /// must be made (MakersOf). kResourceExhausted when these in use would be too large;
   /// kCancelled soon after `cancelled` says so.
   Result<session::Asset> LoadAsset(const std::string& name, const std::string& field,
                                    const base::Cancelled& cancelled = {});
@@ -74,10 +74,9 @@ class GroomLibrary {
   Result<session::Asset> MakeAsset(std::shared_ptr<const groom::Groom> groom,
                                    const std::string& field, const base::Cancelled& cancelled);
 
-  /// Whether LoadAsset would take that long; makers() is the pool to wait on. False for a groom
-  /// that is not there.
-  [[nodiscard]] bool MustMakeFields(const std::string& name);
-  [[nodiscard]] exec::WorkerPool& makers() { return bodies_.pool(); }
+  /// The pool to wait on where LoadAsset would take that long; null where it would not, and for a
+  /// groom that is not there.
+  [[nodiscard]] exec::WorkerPool* MakersOf(const std::string& name);
 
   /// The report of the groom called `name`; errors name `field`. kNotFound if there is no groom,
   /// kFailedPrecondition if it was not made from strands.

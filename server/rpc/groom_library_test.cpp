@@ -75,6 +75,7 @@ TEST_F(GroomLibraryTest, WhatHairMeetsComesBack) {
                   {"hat", groom::Body::Ellipsoid{{0.1, 0.2, 0.1}}, {}, false, {}},
                   {"prop", std::make_shared<const groom::Body::Mesh>(mesh), {0.1, 0}, false, {}}};
   const storage::GroomRecord record = Create("met", parts);
+  EXPECT_NE(library_.MakersOf("grooms/met"), nullptr);
   const auto asset = library_.LoadAsset("grooms/met", "name");
   ASSERT_TRUE(asset);
   EXPECT_EQ(groom::Digest(*asset->groom), record.etag);
@@ -82,8 +83,8 @@ TEST_F(GroomLibraryTest, WhatHairMeetsComesBack) {
   ASSERT_NE(asset->bodies, nullptr);
   EXPECT_EQ(asset->bodies->bodies.size(), 4u);  // With the scalp.
   EXPECT_EQ(asset->bodies->moving_count, 1);
-  EXPECT_FALSE(library_.MustMakeFields("grooms/met"));
-  EXPECT_FALSE(library_.MustMakeFields("grooms/none"));
+  EXPECT_EQ(library_.MakersOf("grooms/met"), nullptr);
+  EXPECT_EQ(library_.MakersOf("grooms/none"), nullptr);
 }
 
 }  // namespace

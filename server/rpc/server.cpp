@@ -101,7 +101,7 @@ class RunningServer final : public Server {
     server_.reset();
     requests_.WaitIdle();
     solving_.WaitIdle();
-    bodies_.pool().WaitIdle();
+    bodies_.WaitIdle();
   }
 
  private:

@@ -75,7 +75,7 @@ double StepWork(const groom::Groom& groom, int steps, const head::ModelOptions& 
     const head::BodyCount count = head::CountBodies(groom);
     each = kContactSteps + kGroupSteps * std::max(0, count.groups - 1) +
            kBodySteps * (count.bodies - count.groups);
-    if (head::HasWisps(groom)) each += kWispSteps * groom.guide_count();
+    if (head::HasWisps(groom)) each += std::min(kWispSteps * groom.guide_count(), kMostWispSteps);
   }
   return static_cast<double>(groom.stepped_elements()) * steps * each;
 }

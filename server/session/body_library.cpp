@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <variant>
 #include <vector>
+
+#include "session/admission.h"
 
 namespace mane::session {
 namespace {
@@ -11,7 +14,27 @@ size_t SettledBytes(const head::Bodies& bodies) {
   return (bodies.settled.size() + bodies.settled_memory.size()) * sizeof(bodies.settled[0]);
 }
 
+// What makes bodies take long, about two seconds of one core: hair settles for a thousand steps,
+// and a triangle's part of a distance field takes a quarter of a millisecond.
+constexpr double kSlowSteps = 5e4;  // Element-steps of a step.
+constexpr size_t kSlowTriangles = 8000;
+
+size_t Triangles(const groom::Groom& groom) {
+  size_t sum = 0;
+  for (const groom::Body& body : groom.bodies) {
+    const auto* const mesh = std::get_if<std::shared_ptr<const groom::Body::Mesh>>(&body.shape);
+    if (mesh != nullptr) sum += (*mesh)->triangles.size();
+  }
+  const auto* const scalp = std::get_if<groom::TriangleMesh>(&groom.scalp);
+  return sum + (scalp != nullptr && groom.scalp_friction ? scalp->triangles.size() : 0);
+}
+
 }  // namespace
+
+exec::WorkerPool& BodyLibrary::PoolFor(const groom::Groom& groom) {
+  const bool slow = StepWork(groom, 1) > kSlowSteps || Triangles(groom) > kSlowTriangles;
+  return slow ? slow_ : quick_;
+}
 
 bool BodyLibrary::Missing(const GroomPtr& groom) {
   std::lock_guard lock(mutex_);

@@ -40,10 +40,13 @@ class BodyLibrary {
   explicit BodyLibrary(const BodyLibraryOptions& options)
       : options_(options), fields_(options.field, options.max_kept_bytes, options.workers) {}
 
-  /// For those who should not make them on their own thread: so many are made at once, so that
-  /// small ones need not wait for a large one.
+  /// Where to make or wait for the bodies of `groom`, for those who should not on their own thread:
+  /// kMakers at once. Those that take long have threads of their own, so that quick ones need not
+  /// wait for them, however many there are.
   static constexpr int kMakers = 4;
-  [[nodiscard]] exec::WorkerPool& pool() { return pool_; }
+  [[nodiscard]] exec::WorkerPool& PoolFor(const groom::Groom& groom);
+  /// Waits until nothing posted there is waiting or running.
+  void WaitIdle() { quick_.WaitIdle(), slow_.WaitIdle(); }
 
   /// Whether FindOrMake(groom) would have to make them.
   [[nodiscard]] bool Missing(const GroomPtr& groom);
@@ -79,8 +82,8 @@ class BodyLibrary {
 
   const BodyLibraryOptions options_;
   contact::FieldCache fields_;
-  // Hair settles on it. Nobody waits for what is made on it: tasks of pool_ do, and would leave the
-  // maker no thread of their own pool.
+  // Hair settles on it. Nobody waits for what is made on it: tasks of quick_ and slow_ do, and
+  // would leave the maker no thread of their own pool.
   exec::WorkerPool settling_{kMakers};
 
   std::mutex mutex_;
@@ -88,7 +91,7 @@ class BodyLibrary {
   std::map<Key, std::weak_ptr<Making>, std::owner_less<Key>> makings_;  // Under way.
   uint64_t clock_ = 0;                                                  // Counts what is asked for.
 
-  exec::WorkerPool pool_{kMakers};  // Last: its tasks use the rest.
+  exec::WorkerPool quick_{kMakers}, slow_{kMakers};  // Last: their tasks use the rest.
 };
 
 }  // namespace mane::session

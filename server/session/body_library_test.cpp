@@ -6,6 +6,9 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
+#include <future>
+#include <memory>
 #include <thread>
 
 #include "head/memory.h"
@@ -105,16 +108,43 @@ TEST(BodyLibraryTest, WhoAskAtOnceShareWhatIsMade) {
   BodyLibrary::BodiesPtr made[3];
   std::atomic<int> asked = 0;
   for (auto& bodies : made) {
-    library.pool().Post([&] {
+    library.PoolFor(*groom).Post([&] {
       ++asked;
       while (asked < 3) std::this_thread::yield();  // They are made side by side.
       bodies = *library.FindOrMake(groom);
     });
   }
-  library.pool().WaitIdle();
+  library.WaitIdle();
   EXPECT_NE(made[0], nullptr);
   EXPECT_EQ(made[1], made[0]);
   EXPECT_EQ(made[2], made[0]);
+}
+
+TEST(BodyLibraryTest, QuickOnesDoNotWaitForSlowOnes) {
+  BodyLibrary library({});
+  const auto quick = SampleGroomWithBodies(20, 4), slow = SampleGroomWithBodies(1000, 20);
+  auto& slow_ones = library.PoolFor(*slow);
+  std::promise<void> gate;
+  const std::shared_future<void> open = gate.get_future().share();
+  for (int i = 0; i < 2 * BodyLibrary::kMakers; ++i) slow_ones.Post([open] { open.wait(); });
+  std::promise<void> made;
+  library.PoolFor(*quick).Post([&] {
+    EXPECT_TRUE(library.FindOrMake(quick));
+    made.set_value();
+  });
+  EXPECT_EQ(made.get_future().wait_for(std::chrono::seconds(60)), std::future_status::ready);
+  gate.set_value();
+  library.WaitIdle();
+}
+
+TEST(BodyLibraryTest, LargeMeshesAreSlow) {
+  groom::Body::Mesh mesh = *Tetrahedron(0.1f);
+  const auto few = GroomWith(std::make_shared<const groom::Body::Mesh>(mesh));
+  groom::Groom many = *few;
+  mesh.triangles.resize(20'000, mesh.triangles[0]);
+  many.bodies[0].shape = std::make_shared<const groom::Body::Mesh>(std::move(mesh));
+  BodyLibrary library({});
+  EXPECT_NE(&library.PoolFor(many), &library.PoolFor(*few));
 }
 
 // A bake makes them on its own thread, while openings wait for that in every thread of the pool.
@@ -131,8 +161,10 @@ TEST(BodyLibraryTest, WaitingInAllOfThePoolStopsNobodyFromMaking) {
   });
   while (!makes) std::this_thread::yield();
   BodyLibrary::BodiesPtr waited[BodyLibrary::kMakers];
-  for (auto& bodies : waited) library.pool().Post([&] { bodies = *library.FindOrMake(groom); });
-  library.pool().WaitIdle();
+  for (auto& bodies : waited) {
+    library.PoolFor(*groom).Post([&] { bodies = *library.FindOrMake(groom); });
+  }
+  library.WaitIdle();
   maker.join();
   EXPECT_NE(made, nullptr);
   for (const auto& bodies : waited) EXPECT_EQ(bodies, made);

@@ -83,7 +83,7 @@ _HELP = {
     Let a wisp swing into another, and a curtain of stiff hair catch what a head leaves behind.
 
     The sum of their momenta goes on as if they did not meet; they are pressed together, but none
-    passes through the other, nor, in this scene, through the curtain at up to 4 m/s.
+    passes through the other, nor through the curtain at up to 4 m/s, from three distances.
     """,
     "cohesion": """
     Shake a clump of three guides, straight, wavy and curly, with wisps and without.

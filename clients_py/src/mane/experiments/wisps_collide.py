@@ -39,6 +39,8 @@ ALONE_UP_TO_M_S = 1.0
 """Faster, hair winds around a single hair across it, tighter than its elements can follow."""
 ALONE_M = np.array([0.1])  # Below the root: where one hair is across,
 CURTAIN_M = np.arange(0.03, 0.22, 0.008)  # and where many are.
+FURTHER_M = (0.0, 4e-3, 8e-3)
+"""Apart at the start: what hair does when it is caught depends on when within a step it is."""
 ACROSS_M = 0.2  # Their length.
 
 
@@ -69,7 +71,13 @@ def run(client: Client, report: Report, quick: bool) -> None:
         gaps = crossing(client, speed, ALONE_M)
         nearest = np.abs(gaps).argmin(axis=1)[:, None]
         least(report, f"crossed at {speed:g} m/s", np.take_along_axis(gaps, nearest, 1).min(), 0.3)
-    crossings = {speed: crossing(client, speed, CURTAIN_M).min(axis=1) for speed in speeds}
+    crossings = {
+        speed: np.min(
+            [crossing(client, speed, CURTAIN_M, further).min(axis=1) for further in FURTHER_M],
+            axis=0,
+        )
+        for speed in speeds
+    }
     for speed, gaps in crossings.items():
         least(report, f"caught at {speed:g} m/s", gaps.min(), 0.3)
 
@@ -146,15 +154,17 @@ def swing(client: Client, wind_m_s: float, radius_m: float) -> Swing:
     return Swing(free, momenta, gaps)
 
 
-def crossing(client: Client, speed_m_s: float, below_m: np.ndarray) -> np.ndarray:
+def crossing(
+    client: Client, speed_m_s: float, below_m: np.ndarray, further_m: float = 0
+) -> np.ndarray:
     """Hanging hair is left behind by a head that sets out, and is caught by stiff hair across it so
     far below its root: distances of its points over the sum of radii, (frame, point), negative
     behind what is nearest.
 
-    They are farther apart than the head's first step: pairs are looked for where hair would go if
-    it went on as it did, which hair at rest does not tell.
+    They are farther apart than the head's first step, by further_m more: pairs are looked for where
+    hair would go if it went on as it did, which hair at rest does not tell.
     """
-    away_m = 2 * RADIUS_M + 5e-3 + speed_m_s / RATE_HZ
+    away_m = 2 * RADIUS_M + 5e-3 + further_m + speed_m_s / RATE_HZ
     hanging = replace(straight_hair(DOWN, LENGTH_M, 12), air_drag=2e-6, wisp_radius_m=RADIUS_M)
     across = replace(
         straight_hair(ASIDE, ACROSS_M, 4),
