@@ -201,6 +201,8 @@ void WispTracker::Begin(const WispPoints& points, double dt, WispScratch& scratc
   scratch.followed.reserve(pairs_.capacity());
   scratch.passing.reserve(pairs_.capacity());
   scratch.passing.resize(pairs_.size());
+  scratch.passing_by.reserve(pairs_.capacity());
+  scratch.passing_by.resize(pairs_.size());
   scratch.first_point.assign(points.first.begin(), points.first.end());
   heaviness_.resize(points.radius.size());
   ListEnds(pairs_, points.mass.size(), scratch);

@@ -137,7 +137,14 @@ struct WispScratch {
   std::vector<End> ends;
   std::vector<int32_t> first_point;  ///< By guide, and their number.
   std::vector<float> share;          ///< By how many pairs a point is pressed, (H6).
-  std::vector<uint8_t> passing;      ///< Which pairs RevisePassing revises,
+  /// A pair that would nearly pass, and by how much it would be nearer than that [m].
+  struct Passing {
+    float by;
+    int32_t pair;
+  };
+  std::vector<float> passing_by;     ///< By pair; 0 where none would.
+  std::vector<Passing> all_passing;  ///< Those that would,
+  std::vector<uint8_t> passing;      ///< which of them RevisePassing revises,
   std::vector<int32_t> revised;      ///< the guides of those,
   std::vector<Heaviness> heaviness;  ///< and how heavy they are for it.
 };
@@ -172,7 +179,8 @@ class WispTracker {
               const ImpulseSpans& impulses);
 
   /// The same, only of the pairs that would nearly pass through each other by what the last pass
-  /// gave: for passes beyond those that all strands take part in. Other impulses stay.
+  /// gave, the worst where they are many: for passes beyond those that all strands take part in.
+  /// Other impulses stay (H18).
   ///
   /// @return the guides, rising, on which impulses have changed; good until the next step.
   [[nodiscard]] std::span<const int32_t> RevisePassing(const VelocitySpans& velocities,

@@ -1,6 +1,7 @@
 // The passes of a step after the first: impulses from the velocities that the last ones gave.
 
 #include <algorithm>
+#include <utility>
 
 #include "contact/wisp_approach.h"
 #include "contact/wisp_ends.h"
@@ -13,6 +14,8 @@ namespace {
 using Eigen::Vector3f;
 
 constexpr uint8_t kPasses = 1, kRevised = 2;  // In WispScratch::passing.
+// Pairs that are revised alone in a pass: so many, and one more for so many guides.
+constexpr size_t kMostPassing = 8, kGuidesToOnePassing = 200;
 
 // (H11): what the last change of impulses tells of a guide's mass.
 void WeighGuide(size_t guide, std::span<const WispPair> pairs, int pass, const WispScratch& scratch,
@@ -22,11 +25,47 @@ void WeighGuide(size_t guide, std::span<const WispPair> pairs, int pass, const W
   weighing.Finish(heaviness[guide]);
 }
 
-// Whether the two nearly pass through each other in a step that gives these velocities.
-bool Passes(const WispPair& pair, const VelocitySpans& velocities, float dt) {
+// By how much the two are nearer than what nearly passes, after a step that gives these velocities
+// [m]; 0 where they are not, or were before it.
+float PassesBy(const WispPair& pair, const VelocitySpans& velocities, float dt) {
   const Vector3f w = SideVelocity(pair, 0, velocities) - SideVelocity(pair, 1, velocities);
-  const float way = dt * w.dot(pair.normal);
-  return pair.gap > pair.passing && pair.gap + way < pair.passing;
+  const float by = pair.passing - pair.gap - dt * w.dot(pair.normal);
+  return pair.gap > pair.passing && by > 0 ? by : 0;
+}
+
+// Marks the pairs that would nearly pass, the worst of them if they are many, and lists their
+// guides.
+void FindPassing(std::span<const WispPair> pairs, const VelocitySpans& velocities, float dt,
+                 exec::WorkerPool& pool, WispScratch& scratch) {
+  const auto count = static_cast<int>(pairs.size());
+  pool.ParallelFor(count, kPairsAPiece, [&](int begin, int end) {
+    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+      scratch.passing_by[i] = PassesBy(pairs[i], velocities, dt);
+    }
+  });
+  auto& all = scratch.all_passing;
+  auto& guides = scratch.revised;
+  all.clear(), guides.clear();
+  for (int i = 0; i < count; ++i) {
+    const float by = scratch.passing_by[static_cast<size_t>(i)];
+    scratch.passing[static_cast<size_t>(i)] = 0;
+    if (by > 0) all.push_back({by, i});
+  }
+  const size_t most = kMostPassing + scratch.first_point.size() / kGuidesToOnePassing;
+  if (all.size() > most) {
+    std::ranges::nth_element(all, all.begin() + static_cast<ptrdiff_t>(most), {},
+                             [](const auto& each) { return std::pair(-each.by, each.pair); });
+    all.resize(most);
+  }
+  for (const auto& [by, i] : all) {
+    scratch.passing[static_cast<size_t>(i)] = kPasses;
+    const auto& guide = pairs[static_cast<size_t>(i)].guide;
+    guides.insert(guides.end(), {guide[0], guide[1]});
+  }
+  KeepRoom(all), KeepRoom(guides);
+  std::ranges::sort(guides);
+  const auto same = std::ranges::unique(guides);
+  guides.erase(same.begin(), same.end());
 }
 
 }  // namespace
@@ -58,24 +97,9 @@ void WispTracker::Revise(const VelocitySpans& velocities, WispScratch& scratch,
 std::span<const int32_t> WispTracker::RevisePassing(const VelocitySpans& velocities,
                                                     WispScratch& scratch, exec::WorkerPool& pool,
                                                     const ImpulseSpans& impulses) {
-  const auto dt = static_cast<float>(last_dt_);
+  FindPassing(pairs_, velocities, static_cast<float>(last_dt_), pool, scratch);
+  const auto& guides = scratch.revised;
   auto& passing = scratch.passing;
-  auto& guides = scratch.revised;
-  pool.ParallelFor(static_cast<int>(pairs_.size()), kPairsAPiece, [&](int begin, int end) {
-    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
-      passing[i] = Passes(pairs_[i], velocities, dt) ? kPasses : 0;
-    }
-  });
-  guides.clear();
-  for (size_t i = 0; i < pairs_.size(); ++i) {
-    if (passing[i] == 0) continue;
-    guides.insert(guides.end(), {pairs_[i].guide[0], pairs_[i].guide[1]});
-  }
-  KeepRoom(guides);
-  std::ranges::sort(guides);
-  const auto same = std::ranges::unique(guides);
-  guides.erase(same.begin(), same.end());
-
   for (const int32_t g : guides) {
     ForPairsOf(static_cast<size_t>(g), scratch, [&](size_t i, int) {
       for (int k = 0; k < 2; ++k) pairs_[i].velocity[k] = SideVelocity(pairs_[i], k, velocities);
