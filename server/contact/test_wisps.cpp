@@ -102,6 +102,10 @@ void Tracking::Revise(const Hair& moving) {
   tracker.Revise({moving.ux, moving.uy, moving.uz}, scratch, pool, impulses.View());
 }
 
+std::span<const int32_t> Tracking::RevisePassing(const Hair& moving) {
+  return tracker.RevisePassing({moving.ux, moving.uy, moving.uz}, scratch, pool, impulses.View());
+}
+
 WispSettings FromTheRoot() {
   WispSettings settings;
   settings.root_length = 0;
@@ -209,7 +213,8 @@ void Rods::Step(double dt) {
     const VelocitySpans velocities{moved.ux, moved.uy, moved.uz};
     if (pass + 1 < passes) {
       tracker.Revise(velocities, scratch_, *pool_, impulses.View());
-    } else if (tracker.RevisePassing(velocities, scratch_, *pool_, impulses.View()).empty()) {
+    } else if (pass + 1 == passes + more_passes ||
+               tracker.RevisePassing(velocities, scratch_, *pool_, impulses.View()).empty()) {
       break;
     }
   }

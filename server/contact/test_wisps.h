@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "contact/test_step.h"
@@ -58,6 +59,7 @@ struct Tracking {
 
   void Begin(const Hair& hair, double dt = kDt);
   void Revise(const Hair& moving);
+  std::span<const int32_t> RevisePassing(const Hair& moving);
 };
 
 /// Wisps that meet from the root on.

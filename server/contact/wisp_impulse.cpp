@@ -13,8 +13,8 @@ using Eigen::Vector3f;
 constexpr double kGravity = 9.81;       // What presses wisps together at rest [m/s^2].
 constexpr float kHeaviest = 64;         // A strand makes its points heavier by this at most,
 constexpr float kHeaviestTogether = 3;  // and by this where it meets several others at rest.
-// What would be nearer at the end of a step than it keeps away from by this part of it passes; of
-// wisps that lie in each other at rest by this part of the sum of radii at least.
+// What ends a step nearer than its distance less this part of it passes (H18); that distance counts
+// as this part of the sum of radii at least, where wisps lie deep in each other at rest.
 constexpr float kPassing = 0.7f, kSeparate = 0.5f;
 constexpr float kFastest = 100;    // Wisps that are faster count as this fast [m/s].
 constexpr float kStaticSpeed = 1;  // A push may always stop this much [m/s].
@@ -93,7 +93,7 @@ WispPair MakePair(const WispPoints& points, const WispStep& step, const WispSett
     pair.reference = step.first ? std::min(at_rest_apart, contact.start.norm()) : at_rest_apart;
   }
   pair.gap = contact.start.dot(pair.normal) - pair.reference;
-  pair.passing = -kPassing * std::max(pair.reference, kSeparate * reach);
+  pair.passing_gap = -kPassing * std::max(pair.reference, kSeparate * reach);
 
   // What it asks for: a spring and a damper at the end of the step (H7).
   const float mass = std::min(of_guide(scratch.guide_mass, 0), of_guide(scratch.guide_mass, 1));

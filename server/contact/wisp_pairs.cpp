@@ -77,9 +77,9 @@ void Continue(const WispPair& old, bool first, double steps, WispPair& pair) {
   pair.rebound = static_cast<float>((1 - rod::kTheta) / rod::kTheta) * push;
 }
 
-// Whether a pair that was lost sight of goes on: crossed wisps until they are far apart, and those
-// that part too fast to be near each other at the end of a step, in which they may yet turn round
-// and pass through (H4).
+// Whether a pair that was lost sight of goes on (H4): crossed wisps until they are far apart, and
+// those that began the step no farther out of reach than they part by in one: they may turn round
+// in it, and pass through.
 bool GoesOn(const WispPair& pair, const Contact& contact, float reach, float dt) {
   const float distance = contact.start.norm(), near = (1 + kMargin) * reach;
   if (contact.start.dot(pair.normal) < 0) return distance <= kLostCrossed * reach;
@@ -199,12 +199,15 @@ void WispTracker::Begin(const WispPoints& points, double dt, WispScratch& scratc
   scratch.pairs.reserve(pairs_.capacity());
   scratch.ends.reserve(2 * pairs_.capacity());
   scratch.followed.reserve(pairs_.capacity());
+  scratch.revision.reserve(pairs_.capacity());
+  scratch.revision.resize(pairs_.size());
   scratch.passing.reserve(pairs_.capacity());
-  scratch.passing.resize(pairs_.size());
+  scratch.revised.reserve(2 * pairs_.capacity());
   scratch.passing_by.reserve(pairs_.capacity());
   scratch.passing_by.resize(pairs_.size());
   scratch.first_point.assign(points.first.begin(), points.first.end());
   heaviness_.resize(points.radius.size());
+  scratch.heaviness.reserve(heaviness_.size());
   ListEnds(pairs_, points.mass.size(), scratch);
   ShareMasses(points, step.dt, pairs_, scratch, pool);
   for (WispPair& pair : pairs_) {

@@ -47,7 +47,7 @@ struct WispPair {
   Eigen::Vector3f normal;   ///< Unit vector from the second to the first, on the side it came from.
   float reference;          ///< Distance that they keep [m].
   float gap;                ///< At the start of the step: distance along the normal less that [m];
-  float passing;            ///< what it is at the end where they nearly pass through [m].
+  float passing_gap;        ///< what it is at the end where they nearly pass through [m].
   Eigen::Vector3f impulse;  ///< On the first; the second receives the opposite [kg m/s].
 
   float inverse_mass[2];  ///< Of each side's two points, by the pairs that share them [1/kg], (H6).
@@ -143,8 +143,8 @@ struct WispScratch {
     int32_t pair;
   };
   std::vector<float> passing_by;     ///< By pair; 0 where none would.
-  std::vector<Passing> all_passing;  ///< Those that would,
-  std::vector<uint8_t> passing;      ///< which of them RevisePassing revises,
+  std::vector<Passing> passing;      ///< Those that RevisePassing revises,
+  std::vector<uint8_t> revision;     ///< whether it does, by pair, and whether it has,
   std::vector<int32_t> revised;      ///< the guides of those,
   std::vector<Heaviness> heaviness;  ///< and how heavy they are for it.
 };

@@ -212,9 +212,7 @@ TEST(WispPairsTest, OnlyWhatWouldPassIsRevised) {
   tracking.Revise(moving);
   const Impulses before = tracking.impulses;
   const auto revise = [&] {
-    const auto guides =
-        tracking.tracker.RevisePassing({moving.ux, moving.uy, moving.uz}, tracking.scratch,
-                                       tracking.pool, tracking.impulses.View());
+    const auto guides = tracking.RevisePassing(moving);
     return std::vector<int32_t>(guides.begin(), guides.end());
   };
   EXPECT_TRUE(revise().empty());
@@ -226,6 +224,29 @@ TEST(WispPairsTest, OnlyWhatWouldPassIsRevised) {
   }
   EXPECT_GT(tracking.impulses.At(6).y(), 0);
   EXPECT_LT(tracking.impulses.Sum().norm(), 1e-6 * tracking.impulses.SumOfNorms());
+}
+
+TEST(WispPairsTest, OfManyThatWouldPassTheWorstAreRevised) {
+  Hair hair;
+  const Hair one = Crossing(0.011, 0);
+  constexpr int kCrossings = 20;
+  for (int i = 0; i < kCrossings; ++i) {
+    for (int g = 0; g < 2; ++g) {
+      hair.AddGuide(0.005f, 0);
+      for (size_t p = 2 * g; p < 2u * g + 2; ++p) {
+        hair.AddPoint({one.x[p] + 0.1 * i, one.y[p], one.z[p]}, Vector3d::Zero(), 1e-6);
+      }
+    }
+  }
+  Tracking tracking(FromTheRoot());
+  tracking.Begin(hair);
+  Hair moving = hair;  // The later the faster.
+  for (size_t i = 0; i < kCrossings; ++i) {
+    for (size_t p = 4 * i + 2; p < 4 * i + 4; ++p) moving.uy[p] = -1 - 0.1f * static_cast<float>(i);
+  }
+  const auto guides = tracking.RevisePassing(moving);
+  ASSERT_EQ(guides.size(), 16u);
+  EXPECT_EQ(guides.front(), 2 * (kCrossings - 8));
 }
 
 // The pairs and impulses of some steps of shaken hair.
@@ -259,6 +280,9 @@ void Simulate(int from, int to, Hair& hair, Tracking& tracking, Record* record) 
       tracking.Revise(moving);
       if (record) record->Add(tracking);
     }
+    fixtures::Shake(3, static_cast<uint64_t>(step), &moving);  // So that some would pass.
+    EXPECT_FALSE(tracking.RevisePassing(moving).empty());
+    if (record) record->Add(tracking);
   }
 }
 
@@ -294,9 +318,13 @@ TEST(WispPairsTest, AWarmTrackerAllocatesNothing) {
   };
   tracking.impulses = Impulses(hair.size());
   for (int i = 0; i < 3; ++i) step();
+  Hair moving = hair;
+  fixtures::Shake(3, 8, &moving);
   const mane::fixtures::AllocationCount count;
   for (int i = 0; i < 3; ++i) step();
+  const size_t revised = tracking.RevisePassing(moving).size();  // None was before.
   EXPECT_EQ(count.count(), 0);
+  EXPECT_GT(revised, 0u);
 }
 
 TEST(WispPairsTest, WhateverComesInWhatComesOutIsBounded) {
@@ -334,7 +362,8 @@ TEST(WispPairsTest, WhateverComesInWhatComesOutIsBounded) {
         ASSERT_LE(pair.impulse.norm(), 64 * 2 * 1e-5 * (2 * 100 + 1));
         ASSERT_NEAR(pair.normal.norm(), 1, 1e-3);
       }
-      tracking.Revise(moving);
+      if (pass < 2) tracking.Revise(moving);
+      if (pass >= 2) (void)tracking.RevisePassing(moving);
     }
   }
 }

@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr uint8_t kPasses = 1, kRevised = 2;  // In WispScratch::passing.
+constexpr uint8_t kPasses = 1, kRevised = 2;  // In WispScratch::revision.
 // Pairs that are revised alone in a pass: so many, and one more for so many guides.
 constexpr size_t kMostPassing = 8, kGuidesToOnePassing = 200;
 
@@ -29,8 +29,8 @@ void WeighGuide(size_t guide, std::span<const WispPair> pairs, int pass, const W
 // [m]; 0 where they are not, or were before it.
 float PassesBy(const WispPair& pair, const VelocitySpans& velocities, float dt) {
   const Vector3f w = SideVelocity(pair, 0, velocities) - SideVelocity(pair, 1, velocities);
-  const float by = pair.passing - pair.gap - dt * w.dot(pair.normal);
-  return pair.gap > pair.passing && by > 0 ? by : 0;
+  const float by = pair.passing_gap - pair.gap - dt * w.dot(pair.normal);
+  return pair.gap > pair.passing_gap && by > 0 ? by : 0;
 }
 
 // Marks the pairs that would nearly pass, the worst of them if they are many, and lists their
@@ -43,26 +43,26 @@ void FindPassing(std::span<const WispPair> pairs, const VelocitySpans& velocitie
       scratch.passing_by[i] = PassesBy(pairs[i], velocities, dt);
     }
   });
-  auto& all = scratch.all_passing;
+  auto& passing = scratch.passing;
   auto& guides = scratch.revised;
-  all.clear(), guides.clear();
+  passing.clear(), guides.clear();
   for (int i = 0; i < count; ++i) {
     const float by = scratch.passing_by[static_cast<size_t>(i)];
-    scratch.passing[static_cast<size_t>(i)] = 0;
-    if (by > 0) all.push_back({by, i});
+    scratch.revision[static_cast<size_t>(i)] = 0;
+    if (by > 0) passing.push_back({by, i});
   }
   const size_t most = kMostPassing + scratch.first_point.size() / kGuidesToOnePassing;
-  if (all.size() > most) {
-    std::ranges::nth_element(all, all.begin() + static_cast<ptrdiff_t>(most), {},
+  KeepRoom(passing);
+  if (passing.size() > most) {
+    std::ranges::nth_element(passing, passing.begin() + static_cast<ptrdiff_t>(most), {},
                              [](const auto& each) { return std::pair(-each.by, each.pair); });
-    all.resize(most);
+    passing.resize(most);
   }
-  for (const auto& [by, i] : all) {
-    scratch.passing[static_cast<size_t>(i)] = kPasses;
+  for (const auto& [by, i] : passing) {
+    scratch.revision[static_cast<size_t>(i)] = kPasses;
     const auto& guide = pairs[static_cast<size_t>(i)].guide;
     guides.insert(guides.end(), {guide[0], guide[1]});
   }
-  KeepRoom(all), KeepRoom(guides);
   std::ranges::sort(guides);
   const auto same = std::ranges::unique(guides);
   guides.erase(same.begin(), same.end());
@@ -99,7 +99,7 @@ std::span<const int32_t> WispTracker::RevisePassing(const VelocitySpans& velocit
                                                     const ImpulseSpans& impulses) {
   FindPassing(pairs_, velocities, static_cast<float>(last_dt_), pool, scratch);
   const auto& guides = scratch.revised;
-  auto& passing = scratch.passing;
+  auto& revision = scratch.revision;
   for (const int32_t g : guides) {
     ForPairsOf(static_cast<size_t>(g), scratch, [&](size_t i, int) {
       for (int k = 0; k < 2; ++k) pairs_[i].velocity[k] = SideVelocity(pairs_[i], k, velocities);
@@ -114,11 +114,11 @@ std::span<const int32_t> WispTracker::RevisePassing(const VelocitySpans& velocit
   for (const int32_t g : guides) {
     ForPairsOf(static_cast<size_t>(g), scratch, [&](size_t i, int) {
       WispPair& pair = pairs_[i];
-      if (passing[i] == kPasses) {
+      if (revision[i] == kPasses) {
         SetMasses(scratch.heaviness, pair);
         ReviseImpulse(pair);
-        passing[i] = kRevised;  // Its other guide's turn comes, too.
-      } else if (passing[i] != kRevised) {
+        revision[i] = kRevised;  // Its other guide's turn comes, too.
+      } else if (revision[i] != kRevised) {
         pair.last_impulse = pair.impulse;
         pair.last_velocity = pair.velocity;
       }

@@ -111,11 +111,12 @@ Look LookAt(const Search& search, int32_t k) {
   return {k, a.reach + b.reach, Apart(a.sweep, b.sweep), pair.known()};
 }
 
-// Brings the slack of pairs [begin, end) up to the step, and lists those that may touch in it.
-// Which do is hard to guess: without branches.
-void FindClose(const Search& search, int32_t begin, int32_t end) {
-  std::vector<int32_t>& close = search.piece.close;
-  close.resize(static_cast<size_t>(end - begin));
+// Brings the slack of pairs [begin, end) up to the step, and finds those that may touch in it, and
+// those that do since the last. Which do is hard to guess: without branches.
+std::span<const int32_t> FindClose(const Search& search, int32_t begin, int32_t end) {
+  std::vector<int32_t>& close = search.piece.close;  // Never shorter than it was.
+  const auto most = static_cast<size_t>(end - begin);
+  if (close.size() < most) close.resize(most + most / 2);
   size_t count = 0;
   for (int32_t k = begin; k < end; ++k) {
     Pair& pair = search.PairAt(k);
@@ -126,7 +127,7 @@ void FindClose(const Search& search, int32_t begin, int32_t end) {
     close[count] = k;
     count += static_cast<size_t>(!(pair.slack > enough)) | static_cast<size_t>(pair.known());
   }
-  close.resize(count);
+  return std::span(close).first(count);
 }
 
 // Lists two links that may touch: to be looked at, or as a candidate where they touch since the
@@ -254,9 +255,10 @@ void FindCandidates(const Search& search, int32_t begin, int32_t end) {
   piece.candidates.clear(), piece.at.clear();
   piece.looks.clear(), piece.lost.clear(), piece.waking.clear();
   const auto& first_of = search.neighbours.first_of;
-  FindClose(search, first_of[static_cast<size_t>(begin)], first_of[static_cast<size_t>(end)]);
-  KeepRoom(piece.close);
-  for (const int32_t k : piece.close) Visit(search, k);
+  for (const int32_t k : FindClose(search, first_of[static_cast<size_t>(begin)],
+                                   first_of[static_cast<size_t>(end)])) {
+    Visit(search, k);
+  }
   KeepRoom(piece.looks);
   LookAtAll(search);
   Touch(search, 0);

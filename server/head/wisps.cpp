@@ -164,7 +164,7 @@ void StepAmongWisps(const groom::Groom& groom, const WispStep& step,
     lists->Resize(points);
   }
   if (memory.steps.size() < blocks.size()) memory.steps.resize(blocks.size());
-  failed->resize(blocks.size()), bends->resize(blocks.size());
+  failed->resize(blocks.size()), bends->resize(blocks.size()), memory.due.resize(blocks.size());
   const contact::BatchContact among{Kernels(),    Meetings(), memory.groups,
                                     step.motions, {},         step.surprise};
   const auto for_blocks = [&](const auto& visit) {

@@ -74,8 +74,8 @@ class GroomLibrary {
   Result<session::Asset> MakeAsset(std::shared_ptr<const groom::Groom> groom,
                                    const std::string& field, const base::Cancelled& cancelled);
 
-  /// The pool to wait on where LoadAsset would take that long; null where it would not, and for a
-  /// groom that is not there.
+  /// The pool to wait on where LoadAsset may take that long, as what hair meets is not made yet;
+  /// null where it is, and for a groom that is not there.
   [[nodiscard]] exec::WorkerPool* MakersOf(const std::string& name);
 
   /// The report of the groom called `name`; errors name `field`. kNotFound if there is no groom,

@@ -21,10 +21,11 @@ inline constexpr int kContactSteps = 8;
 inline constexpr double kGroupSteps = 0.5;
 inline constexpr double kBodySteps = 0.15;
 /// What it counts as on top for every guide of a groom whose wisps meet, as each meets more of the
-/// others where there are more; and the most of it, as a guide meets no more than so many
-/// (likewise, 50 to 5000 guides).
+/// others where there are more; and the most of it, as none meets more than so many (likewise, 50
+/// to 5000 guides: the most is two to three times what hair that walks takes, a third of what hair
+/// takes that is shaken hard).
 inline constexpr double kWispSteps = 0.7;
-inline constexpr double kMostWispSteps = 60;
+inline constexpr double kMostWispSteps = 150;
 /// What a segment of a beam counts as: a seventh to a fifth of an element's time, as measured side
 /// by side with AVX-512, in hundreds and in thousands of guides.
 inline constexpr double kBeamSteps = 0.2;

@@ -95,10 +95,10 @@ TEST_F(AdmissionTest, WhatAnElementMeetsCountsByBodiesGroupsAndWisps) {
   groom::Groom wisps = *groom;
   wisps.guides[3].wisp_radius = 0.005;
   EXPECT_DOUBLE_EQ(StepWork(wisps, 1), work + kWispSteps * 12 * elements);
-  groom::Groom many = *head::SampleGroom(200, 4, head::SampleHair::kPlain);
+  groom::Groom many = *head::SampleGroom(400, 4, head::SampleHair::kPlain);
   many.has_contact = true;
   many.guides[3].wisp_radius = 0.005;
-  EXPECT_DOUBLE_EQ(StepWork(many, 1), (kContactSteps + kMostWispSteps) * 800);
+  EXPECT_DOUBLE_EQ(StepWork(many, 1), (kContactSteps + kMostWispSteps) * 1600);
   groom::Groom fixed = *groom;
   for (groom::Body& body : fixed.bodies) body.moving = false;
   EXPECT_DOUBLE_EQ(StepWork(fixed, 1), (kContactSteps + 2 * kBodySteps) * elements);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <variant>
 #include <vector>
 
@@ -14,26 +15,23 @@ size_t SettledBytes(const head::Bodies& bodies) {
   return (bodies.settled.size() + bodies.settled_memory.size()) * sizeof(bodies.settled[0]);
 }
 
-// What makes bodies take long, about two seconds of one core: hair settles for a thousand steps,
-// and a triangle's part of a distance field takes a quarter of a millisecond.
-constexpr double kSlowSteps = 5e4;  // Element-steps of a step.
-constexpr size_t kSlowTriangles = 8000;
+// Element-steps of a step with which hair takes long to settle: in a thousand of them, about two
+// seconds of one core.
+constexpr double kSlowSteps = 5e4;
 
-size_t Triangles(const groom::Groom& groom) {
-  size_t sum = 0;
-  for (const groom::Body& body : groom.bodies) {
-    const auto* const mesh = std::get_if<std::shared_ptr<const groom::Body::Mesh>>(&body.shape);
-    if (mesh != nullptr) sum += (*mesh)->triangles.size();
-  }
-  const auto* const scalp = std::get_if<groom::TriangleMesh>(&groom.scalp);
-  return sum + (scalp != nullptr && groom.scalp_friction ? scalp->triangles.size() : 0);
+// Whether hair meets a mesh: its distance field may take half a minute, whatever its triangles.
+bool MeetsMesh(const groom::Groom& groom) {
+  const bool scalp =
+      groom.scalp_friction && std::holds_alternative<groom::TriangleMesh>(groom.scalp);
+  return scalp || std::ranges::any_of(groom.bodies, [](const groom::Body& body) {
+           return std::holds_alternative<std::shared_ptr<const groom::Body::Mesh>>(body.shape);
+         });
 }
 
 }  // namespace
 
 exec::WorkerPool& BodyLibrary::PoolFor(const groom::Groom& groom) {
-  const bool slow = StepWork(groom, 1) > kSlowSteps || Triangles(groom) > kSlowTriangles;
-  return slow ? slow_ : quick_;
+  return MeetsMesh(groom) || StepWork(groom, 1) > kSlowSteps ? slow_ : quick_;
 }
 
 bool BodyLibrary::Missing(const GroomPtr& groom) {

@@ -41,8 +41,8 @@ class BodyLibrary {
       : options_(options), fields_(options.field, options.max_kept_bytes, options.workers) {}
 
   /// Where to make or wait for the bodies of `groom`, for those who should not on their own thread:
-  /// kMakers at once. Those that take long have threads of their own, so that quick ones need not
-  /// wait for them, however many there are.
+  /// kMakers at once. Those that may take long, with meshes or much hair, have threads of their
+  /// own, so that quick ones need not wait for them, however many there are.
   static constexpr int kMakers = 4;
   [[nodiscard]] exec::WorkerPool& PoolFor(const groom::Groom& groom);
   /// Waits until nothing posted there is waiting or running.

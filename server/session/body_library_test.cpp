@@ -137,14 +137,13 @@ TEST(BodyLibraryTest, QuickOnesDoNotWaitForSlowOnes) {
   library.WaitIdle();
 }
 
-TEST(BodyLibraryTest, LargeMeshesAreSlow) {
-  groom::Body::Mesh mesh = *Tetrahedron(0.1f);
-  const auto few = GroomWith(std::make_shared<const groom::Body::Mesh>(mesh));
-  groom::Groom many = *few;
-  mesh.triangles.resize(20'000, mesh.triangles[0]);
-  many.bodies[0].shape = std::make_shared<const groom::Body::Mesh>(std::move(mesh));
+TEST(BodyLibraryTest, MeshesAndMuchHairMayTakeLong) {
   BodyLibrary library({});
-  EXPECT_NE(&library.PoolFor(many), &library.PoolFor(*few));
+  auto& quick = library.PoolFor(*SampleGroomWithBodies(20, 4));  // Capsules and ellipsoids.
+  EXPECT_EQ(&library.PoolFor(*SampleGroomWithBodies(40, 6)), &quick);
+  auto& slow = library.PoolFor(*GroomWith(Tetrahedron(0.1f)));
+  EXPECT_NE(&slow, &quick);
+  EXPECT_EQ(&library.PoolFor(*SampleGroomWithBodies(1000, 20)), &slow);
 }
 
 // A bake makes them on its own thread, while openings wait for that in every thread of the pool.
