@@ -64,8 +64,7 @@ void FindPassing(std::span<const WispPair> pairs, const VelocitySpans& velocitie
     guides.insert(guides.end(), {guide[0], guide[1]});
   }
   std::ranges::sort(guides);
-  const auto same = std::ranges::unique(guides);
-  guides.erase(same.begin(), same.end());
+  guides.erase(std::unique(guides.begin(), guides.end()), guides.end());
 }
 
 }  // namespace
