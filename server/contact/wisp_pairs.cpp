@@ -199,8 +199,6 @@ void WispTracker::Begin(const WispPoints& points, double dt, WispScratch& scratc
   scratch.pairs.reserve(pairs_.capacity());
   scratch.ends.reserve(2 * pairs_.capacity());
   scratch.followed.reserve(pairs_.capacity());
-  scratch.revision.reserve(pairs_.capacity());
-  scratch.revision.resize(pairs_.size());
   scratch.passing.reserve(pairs_.capacity());
   scratch.revised.reserve(2 * pairs_.capacity());
   scratch.passing_by.reserve(pairs_.capacity());

@@ -144,7 +144,6 @@ struct WispScratch {
   };
   std::vector<float> passing_by;     ///< By pair; 0 where none would.
   std::vector<Passing> passing;      ///< Those that RevisePassing revises,
-  std::vector<uint8_t> revision;     ///< whether it does, by pair, and whether it has,
   std::vector<int32_t> revised;      ///< the guides of those,
   std::vector<Heaviness> heaviness;  ///< and how heavy they are for it.
 };

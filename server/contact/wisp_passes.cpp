@@ -13,7 +13,6 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr uint8_t kPasses = 1, kRevised = 2;  // In WispScratch::revision.
 // Pairs that are revised alone in a pass: so many, and one more for so many guides.
 constexpr size_t kMostPassing = 8, kGuidesToOnePassing = 200;
 
@@ -33,8 +32,7 @@ float PassesBy(const WispPair& pair, const VelocitySpans& velocities, float dt) 
   return pair.gap > pair.passing_gap && by > 0 ? by : 0;
 }
 
-// Marks the pairs that would nearly pass, the worst of them if they are many, and lists their
-// guides.
+// Lists the pairs that would nearly pass, the worst of them if they are many, and their guides.
 void FindPassing(std::span<const WispPair> pairs, const VelocitySpans& velocities, float dt,
                  exec::WorkerPool& pool, WispScratch& scratch) {
   const auto count = static_cast<int>(pairs.size());
@@ -48,7 +46,6 @@ void FindPassing(std::span<const WispPair> pairs, const VelocitySpans& velocitie
   passing.clear(), guides.clear();
   for (int i = 0; i < count; ++i) {
     const float by = scratch.passing_by[static_cast<size_t>(i)];
-    scratch.revision[static_cast<size_t>(i)] = 0;
     if (by > 0) passing.push_back({by, i});
   }
   const size_t most = kMostPassing + scratch.first_point.size() / kGuidesToOnePassing;
@@ -59,7 +56,6 @@ void FindPassing(std::span<const WispPair> pairs, const VelocitySpans& velocitie
     passing.resize(most);
   }
   for (const auto& [by, i] : passing) {
-    scratch.revision[static_cast<size_t>(i)] = kPasses;
     const auto& guide = pairs[static_cast<size_t>(i)].guide;
     guides.insert(guides.end(), {guide[0], guide[1]});
   }
@@ -98,7 +94,7 @@ std::span<const int32_t> WispTracker::RevisePassing(const VelocitySpans& velocit
                                                     const ImpulseSpans& impulses) {
   FindPassing(pairs_, velocities, static_cast<float>(last_dt_), pool, scratch);
   const auto& guides = scratch.revised;
-  auto& revision = scratch.revision;
+  if (guides.empty()) return {};
   for (const int32_t g : guides) {
     ForPairsOf(static_cast<size_t>(g), scratch, [&](size_t i, int) {
       for (int k = 0; k < 2; ++k) pairs_[i].velocity[k] = SideVelocity(pairs_[i], k, velocities);
@@ -112,18 +108,16 @@ std::span<const int32_t> WispTracker::RevisePassing(const VelocitySpans& velocit
   }
   for (const int32_t g : guides) {
     ForPairsOf(static_cast<size_t>(g), scratch, [&](size_t i, int) {
-      WispPair& pair = pairs_[i];
-      if (revision[i] == kPasses) {
-        SetMasses(scratch.heaviness, pair);
-        ReviseImpulse(pair);
-        revision[i] = kRevised;  // Its other guide's turn comes, too.
-      } else if (revision[i] != kRevised) {
-        pair.last_impulse = pair.impulse;
-        pair.last_velocity = pair.velocity;
-      }
+      pairs_[i].last_impulse = pairs_[i].impulse;
+      pairs_[i].last_velocity = pairs_[i].velocity;
     });
   }
-  passes_ += guides.empty() ? 0 : 1;
+  for (const auto& [by, i] : scratch.passing) {
+    WispPair& pair = pairs_[static_cast<size_t>(i)];
+    SetMasses(scratch.heaviness, pair);
+    ReviseImpulse(pair);
+  }
+  ++passes_;
   for (const int32_t g : guides) {
     const auto first = scratch.first_point.begin() + g;
     SpreadImpulses(first[0], first[1], pairs_, scratch, impulses);
